@@ -1,0 +1,141 @@
+#include "orb/ccdr/decoder.hpp"
+
+#include <bit>
+#include <limits>
+
+#include "orb/ccdr/format.hpp"
+
+namespace canorb::ccdr {
+
+void Decoder::fail() {
+    ok_ = false;
+    position_ = octets_.size();
+}
+
+Bytes Decoder::octets(std::size_t count) {
+    if (remaining() < count) {
+        fail();
+        return {};
+    }
+    const Bytes taken = octets_.subspan(position_, count);
+    position_ += count;
+    return taken;
+}
+
+std::uint8_t Decoder::octet() {
+    const Bytes taken = octets(1);
+    return taken.empty() ? std::uint8_t{0} : taken[0];
+}
+
+Decoder::Variable Decoder::variable() {
+    const std::uint8_t first = octet();
+    if (!ok_) return {};
+    for (std::size_t i = 0; i < std::size(variable_forms); ++i) {
+        const VariableForm& form = variable_forms[i];
+        if ((first & form.lead_mask) != form.lead) continue;
+        std::uint32_t bits = first & static_cast<std::uint8_t>(~form.lead_mask);
+        for (const std::uint8_t octet : octets(form.octets - 1)) bits = (bits << 8) | octet;
+        return {i, ok_ ? bits : 0};
+    }
+    fail();
+    return {};
+}
+
+std::uint32_t Decoder::variable_unsigned(std::uint32_t highest) {
+    const auto [form, value] = variable();
+    const bool fits_shorter =
+        form > 0 && value < (std::uint32_t{1} << variable_forms[form - 1].payload_bits);
+    if (!ok_ || fits_shorter || value > highest) {
+        fail();
+        return 0;
+    }
+    return value;
+}
+
+std::int32_t Decoder::variable_signed(std::int32_t lowest, std::int32_t highest) {
+    const auto [form, bits] = variable();
+    if (!ok_) return 0;
+    const unsigned unused = 32 - variable_forms[form].payload_bits;
+    const std::int32_t value = static_cast<std::int32_t>(bits << unused) >> unused;
+    bool fits_shorter = false;
+    if (form > 0) {
+        const std::int32_t limit = std::int32_t{1} << (variable_forms[form - 1].payload_bits - 1);
+        fits_shorter = value >= -limit && value < limit;
+    }
+    if (fits_shorter || value < lowest || value > highest) {
+        fail();
+        return 0;
+    }
+    return value;
+}
+
+std::uint32_t Decoder::fixed32() {
+    std::uint32_t value = 0;
+    for (const std::uint8_t octet : octets(4)) value = (value << 8) | octet;
+    return value;
+}
+
+std::uint64_t Decoder::fixed64() {
+    std::uint64_t value = 0;
+    for (const std::uint8_t octet : octets(8)) value = (value << 8) | octet;
+    return value;
+}
+
+std::size_t Decoder::count(std::size_t element_octets) {
+    const std::size_t value = variable_unsigned(std::numeric_limits<std::uint32_t>::max());
+    if (!ok_ || value > remaining() / element_octets) {
+        fail();
+        return 0;
+    }
+    return value;
+}
+
+std::string_view Decoder::string() {
+    const Bytes taken = octets(count());
+    if (!ok_ || taken.empty()) {
+        fail();
+        return {};
+    }
+    const std::string_view text{reinterpret_cast<const char*>(taken.data()), taken.size()};
+    if (text.find('\0') != text.size() - 1) {
+        fail();
+        return {};
+    }
+    return text.substr(0, text.size() - 1);
+}
+
+void decode(Decoder& in, bool& value) {
+    const std::uint8_t octet = in.octet();
+    if (octet > 1) in.fail();
+    value = octet == 1;
+}
+
+namespace {
+
+template <typename T>
+void decode_unsigned(Decoder& in, T& value) {
+    value = static_cast<T>(in.variable_unsigned(std::numeric_limits<T>::max()));
+}
+
+template <typename T>
+void decode_signed(Decoder& in, T& value) {
+    value = static_cast<T>(
+        in.variable_signed(std::numeric_limits<T>::min(), std::numeric_limits<T>::max()));
+}
+
+}  // namespace
+
+void decode(Decoder& in, char& value) { value = static_cast<char>(in.octet()); }
+void decode(Decoder& in, std::int8_t& value) { value = static_cast<std::int8_t>(in.octet()); }
+void decode(Decoder& in, std::uint8_t& value) { value = in.octet(); }
+void decode(Decoder& in, std::int16_t& value) { decode_signed(in, value); }
+void decode(Decoder& in, std::uint16_t& value) { decode_unsigned(in, value); }
+void decode(Decoder& in, std::int32_t& value) { decode_signed(in, value); }
+void decode(Decoder& in, std::uint32_t& value) { decode_unsigned(in, value); }
+void decode(Decoder& in, std::int64_t& value) { value = static_cast<std::int64_t>(in.fixed64()); }
+void decode(Decoder& in, std::uint64_t& value) { value = in.fixed64(); }
+void decode(Decoder& in, float& value) { value = std::bit_cast<float>(in.fixed32()); }
+void decode(Decoder& in, double& value) { value = std::bit_cast<double>(in.fixed64()); }
+void decode(Decoder& in, std::string& value) { value = std::string{in.string()}; }
+
+}  // namespace canorb::ccdr

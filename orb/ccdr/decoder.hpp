@@ -1,0 +1,117 @@
+#pragma once
+
+#include <array>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "orb/base/bytes.hpp"
+
+namespace canorb::ccdr {
+
+/// Reads CCDR octets. The first malformed value sticks: from then on every read gives a zero or
+/// empty value, and ok() is false. There is one cause to tell, MARSHAL, so there is no error kind.
+///
+///     ccdr::Decoder in{octets};
+///     std::uint16_t channel{};
+///     decode(in, channel);
+///     if (!in.finished()) return marshal;
+class Decoder {
+  public:
+    explicit Decoder(Bytes octets) : octets_(octets) {}
+
+    [[nodiscard]] bool ok() const { return ok_; }
+    /// No error, and nothing left over: a complete value was read.
+    [[nodiscard]] bool finished() const { return ok_ && remaining() == 0; }
+    std::size_t remaining() const { return octets_.size() - position_; }
+
+    /// What was read is not a value of its type.
+    void fail();
+
+    std::uint8_t octet();
+    /// The next `count` octets as they are; empty when there are fewer.
+    Bytes octets(std::size_t count);
+    std::uint32_t variable_unsigned(std::uint32_t highest);
+    std::int32_t variable_signed(std::int32_t lowest, std::int32_t highest);
+    std::uint64_t fixed64();
+    std::uint32_t fixed32();
+    /// A sequence's count. It fails when the octets left cannot hold so many elements of at least
+    /// `element_octets` each, so nothing is allocated for a count that lies.
+    std::size_t count(std::size_t element_octets = 1);
+    /// A string, without its NUL; the view is into the octets being read.
+    std::string_view string();
+
+  private:
+    /// The form and the bits of a variable integer, sign not yet extended.
+    struct Variable {
+        std::size_t form;
+        std::uint32_t bits;
+    };
+    Variable variable();
+
+    Bytes octets_;
+    std::size_t position_ = 0;
+    bool ok_ = true;
+};
+
+void decode(Decoder& in, bool& value);
+void decode(Decoder& in, char& value);
+void decode(Decoder& in, std::int8_t& value);
+void decode(Decoder& in, std::uint8_t& value);
+void decode(Decoder& in, std::int16_t& value);
+void decode(Decoder& in, std::uint16_t& value);
+void decode(Decoder& in, std::int32_t& value);
+void decode(Decoder& in, std::uint32_t& value);
+void decode(Decoder& in, std::int64_t& value);
+void decode(Decoder& in, std::uint64_t& value);
+void decode(Decoder& in, float& value);
+void decode(Decoder& in, double& value);
+void decode(Decoder& in, std::string& value);
+
+template <typename T, std::size_t N>
+void decode(Decoder& in, std::array<T, N>& value);
+template <typename T>
+void decode(Decoder& in, std::vector<T>& value);
+
+/// The fewest octets that a value of type T can take; generated code need not specialize it.
+template <typename T>
+inline constexpr std::size_t fewest_octets = 1;
+template <>
+inline constexpr std::size_t fewest_octets<float> = 4;
+template <>
+inline constexpr std::size_t fewest_octets<double> = 8;
+template <>
+inline constexpr std::size_t fewest_octets<std::int64_t> = 8;
+template <>
+inline constexpr std::size_t fewest_octets<std::uint64_t> = 8;
+template <>
+inline constexpr std::size_t fewest_octets<std::string> = 2;
+template <typename T, std::size_t N>
+inline constexpr std::size_t fewest_octets<std::array<T, N>> = N * fewest_octets<T>;
+
+template <typename T, std::size_t N>
+void decode(Decoder& in, std::array<T, N>& value) {
+    for (T& element : value) decode(in, element);
+}
+
+template <typename T>
+void decode(Decoder& in, std::vector<T>& value) {
+    const std::size_t count = in.count(fewest_octets<T>);
+    value.clear();
+    if constexpr (std::same_as<T, std::uint8_t>) {
+        const Bytes octets = in.octets(count);
+        value.assign(octets.begin(), octets.end());
+    } else {
+        value.reserve(count);
+        for (std::size_t i = 0; i < count && in.ok(); ++i) {
+            T element{};
+            decode(in, element);
+            value.push_back(std::move(element));
+        }
+    }
+}
+
+}  // namespace canorb::ccdr

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+/// The constants of CCDR's variable-length integers; the page is doc/wire/ccdr.md.
+namespace canorb::ccdr {
+
+/// One length of the variable integers: `octets` long, begins with `lead`, and the bits of the
+/// first octet below `lead_mask` and all that follow are the value.
+struct VariableForm {
+    std::size_t octets;
+    std::uint8_t lead;
+    std::uint8_t lead_mask;
+    unsigned payload_bits;
+};
+
+// The longest form has 8 zero-or-fixed bits before 32 bits of value: 11110 and three zeros.
+inline constexpr VariableForm variable_forms[] = {
+    {1, 0x00, 0x80, 7},
+    {2, 0x80, 0xC0, 14},
+    {3, 0xC0, 0xE0, 21},
+    {4, 0xE0, 0xF0, 28},
+    {5, 0xF0, 0xFF, 32},
+};
+
+}  // namespace canorb::ccdr

@@ -1,0 +1,177 @@
+#pragma once
+
+/// The ORB: one node on a bus.
+///
+///     auto bus = canorb::open_bus("sim:/tmp/canorb-bus");
+///     canorb::Orb orb{*bus, {.node = 3, .name = "pump-3"}};
+///     MotorImpl motor;                                     // derives from Devices::MotorServant
+///     canorb::ObjectRef self = orb.root_poa().activate_object_with_id(1, motor);
+///     orb.object_join(self, canorb::GroupId{5});
+///     std::cout << orb.object_to_string(self) << '\n';
+///     orb.run();                                           // until orb.shutdown()
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "canorb/bus.hpp"
+#include "canorb/exceptions.hpp"
+#include "canorb/object_ref.hpp"
+#include "canorb/servant.hpp"
+#include "orb/base/counters.hpp"
+
+namespace canorb {
+
+/// What happened to the node that is no call's business. `text` is one line for people.
+struct Event {
+    enum class Kind : std::uint8_t {
+        duplicate_node,      ///< another node uses this node's id
+        controller_state,    ///< error active, error passive, bus-off, stopped
+        frames_lost,         ///< the link lost received frames; partial messages were dropped
+        servant_exception,   ///< a servant or callback raised what nobody could be told
+    };
+    Kind kind;
+    TimePoint time;
+    std::string text;
+};
+
+struct OrbOptions {
+    /// This node's number, 0..30. Unset: it may receive nothing and call nobody until set_node().
+    std::optional<int> node{};
+    /// 1 to 16 characters, for people; "node-N" when empty.
+    std::string name{};
+    /// The device's serial number; 0: none.
+    std::uint64_t serial = 0;
+    /// The deadline of calls that have none of their own; there is no infinite one.
+    Duration default_timeout = std::chrono::seconds{1};
+    /// Received messages above this many octets are skipped and answered IMP_LIMIT; 8..65538.
+    std::size_t max_message = 4096;
+    /// Messages that may wait in the transmit queue; a call beyond gets NO_RESOURCES.
+    std::size_t max_queued_messages = 64;
+    /// Two-way calls that may be outstanding.
+    std::size_t max_outstanding_calls = 64;
+    /// Frames in the controller at once: an urgent message waits for no more than these.
+    std::size_t frames_in_controller = 2;
+    /// A partial message that gets no frame for so long is dropped.
+    Duration inter_frame_timeout = std::chrono::milliseconds{100};
+    /// The least gap between two frames of one message, for slow receivers.
+    Duration continuation_gap{0};
+    /// Gets each event's line. Unset: they go to standard error.
+    std::function<void(std::string_view line)> log{};
+};
+
+/// Names a timer of one ORB.
+enum class TimerId : std::uint64_t {};
+
+/// The root POA's exceptions, as CORBA's PortableServer names them.
+class ObjectAlreadyActive final : public UserException {
+  public:
+    std::string_view _repository_id() const noexcept override {
+        return "IDL:omg.org/PortableServer/POA/ObjectAlreadyActive:1.0";
+    }
+};
+class ServantAlreadyActive final : public UserException {
+  public:
+    std::string_view _repository_id() const noexcept override {
+        return "IDL:omg.org/PortableServer/POA/ServantAlreadyActive:1.0";
+    }
+};
+class ObjectNotActive final : public UserException {
+  public:
+    std::string_view _repository_id() const noexcept override {
+        return "IDL:omg.org/PortableServer/POA/ObjectNotActive:1.0";
+    }
+};
+
+/// The object adapter: which servant is behind which object index. The servants remain the
+/// application's, and must stay alive until they are deactivated or the Orb is gone. Safe from
+/// any thread.
+class Poa {
+  public:
+    /// Gives the servant the next index from 1024. Throws ServantAlreadyActive, NO_RESOURCES.
+    ObjectRef activate_object(Servant& servant);
+    /// Gives the servant this index, 1..1023. Throws ObjectAlreadyActive, ServantAlreadyActive,
+    /// BAD_PARAM.
+    ObjectRef activate_object_with_id(ObjectIndex index, Servant& servant);
+    /// Takes the object out of service and out of its groups. Throws ObjectNotActive.
+    void deactivate_object(ObjectIndex index);
+
+  private:
+    friend class runtime::OrbImpl;
+    explicit Poa(runtime::OrbImpl& orb) : orb_(orb) {}
+    runtime::OrbImpl& orb_;
+};
+
+/// One node. All functions may be called from any thread, unless they say otherwise; servants,
+/// timers and callbacks run one at a time, in whichever thread runs the event loop or waits for a
+/// reply.
+class Orb {
+  public:
+    /// Throws BAD_PARAM for options out of range, COMM_FAILURE when the bus refuses.
+    explicit Orb(Bus& bus, OrbOptions options = {});
+    /// Sends what is still queued, at most until its deadlines; then detaches.
+    ~Orb();
+    Orb(const Orb&) = delete;
+    Orb& operator=(const Orb&) = delete;
+
+    std::optional<NodeId> node() const;
+    /// Changes this node's number; references made before keep the old one. Throws BAD_PARAM.
+    void set_node(int node);
+    const OrbOptions& options() const;
+
+    Poa& root_poa();
+
+    /// "CAN_IOR:..." in hex, or "corbaloc:caniop:NODE/INDEX" or "corbaloc:caniop:group/GROUP".
+    /// Throws BAD_PARAM for an unknown prefix or a number out of range, INV_OBJREF for bad hex or
+    /// octets; what() says why.
+    ObjectRef string_to_object(std::string_view text);
+    std::string object_to_string(const ObjectRef& reference) const;
+    /// The group as seen from here: with the most derived interface common to its local members.
+    std::string group_to_string(GroupId group) const;
+    ObjectRef group_reference(GroupId group) const;
+
+    /// Makes a local object a member of a group. Throws BAD_PARAM when it is none of this ORB's,
+    /// when the group is not 1..31, or when it shares no interface with the members there.
+    void object_join(const ObjectRef& object, GroupId group);
+    void object_leave(const ObjectRef& object, GroupId group);
+    bool object_is_member(const ObjectRef& object, GroupId group) const;
+    std::vector<ObjectRef> group_members(GroupId group) const;
+
+    /// Runs the event loop until shutdown(). Several threads may; one call is served at a time.
+    void run();
+    /// Runs the event loop for that long; false when shutdown() ended it.
+    bool run_for(Duration duration);
+    /// Does what is due now and returns without waiting.
+    void poll();
+    /// Ends run() and run_for(), now and later. Safe from servants, other threads and, as the only
+    /// function, from signal handlers.
+    void shutdown() noexcept;
+
+    TimePoint now() const;
+    /// Runs `callback` from the event loop at that time.
+    TimerId at(TimePoint time, std::function<void()> callback);
+    /// Runs `callback` every `period`, first one period from now. Times keep to the grid; what
+    /// could not run in its whole period is skipped, not made up for.
+    TimerId every(Duration period, std::function<void()> callback);
+    /// No effect on timers that ran or were cancelled. The callback may still be running, in
+    /// another thread.
+    void cancel(TimerId timer);
+
+    /// Replaces the callback for events; called from the event loop.
+    void on_event(std::function<void(const Event&)> callback);
+    Counters counters() const;
+    can::ErrorStatus error_status() const;
+    can::Capabilities link_capabilities() const;
+    /// Asks the controller to leave bus-off, or a link that is down to come up again.
+    void recover();
+
+  private:
+    std::shared_ptr<runtime::OrbImpl> impl_;
+};
+
+}  // namespace canorb
