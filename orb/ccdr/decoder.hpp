@@ -12,6 +12,10 @@
 
 namespace canorb::ccdr {
 
+/// What object references that are decoded belong to: the ORB. This layer only hands it on; the
+/// runtime derives from it and knows its own type again.
+struct DecodeContext {};
+
 /// Reads CCDR octets. The first malformed value sticks: from then on every read gives a zero or
 /// empty value, and ok() is false. There is one cause to tell, MARSHAL, so there is no error kind.
 ///
@@ -21,7 +25,12 @@ namespace canorb::ccdr {
 ///     if (!in.finished()) return marshal;
 class Decoder {
   public:
-    explicit Decoder(Bytes octets) : octets_(octets) {}
+    /// `octets` and `context` belong to the caller and outlive this object.
+    explicit Decoder(Bytes octets, const DecodeContext* context = nullptr)
+        : octets_(octets), context_(context) {}
+
+    /// As given to the constructor: nullptr where no references are expected.
+    const DecodeContext* context() const { return context_; }
 
     [[nodiscard]] bool ok() const { return ok_; }
     /// No error, and nothing left over: a complete value was read.
@@ -53,6 +62,7 @@ class Decoder {
     Variable variable();
 
     Bytes octets_;
+    const DecodeContext* context_;
     std::size_t position_ = 0;
     bool ok_ = true;
 };
