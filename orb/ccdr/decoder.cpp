@@ -125,17 +125,41 @@ void decode_signed(Decoder& in, T& value) {
 
 }  // namespace
 
-void decode(Decoder& in, char& value) { value = static_cast<char>(in.octet()); }
-void decode(Decoder& in, std::int8_t& value) { value = static_cast<std::int8_t>(in.octet()); }
-void decode(Decoder& in, std::uint8_t& value) { value = in.octet(); }
-void decode(Decoder& in, std::int16_t& value) { decode_signed(in, value); }
-void decode(Decoder& in, std::uint16_t& value) { decode_unsigned(in, value); }
-void decode(Decoder& in, std::int32_t& value) { decode_signed(in, value); }
-void decode(Decoder& in, std::uint32_t& value) { decode_unsigned(in, value); }
-void decode(Decoder& in, std::int64_t& value) { value = static_cast<std::int64_t>(in.fixed64()); }
-void decode(Decoder& in, std::uint64_t& value) { value = in.fixed64(); }
-void decode(Decoder& in, float& value) { value = std::bit_cast<float>(in.fixed32()); }
-void decode(Decoder& in, double& value) { value = std::bit_cast<double>(in.fixed64()); }
-void decode(Decoder& in, std::string& value) { value = std::string{in.string()}; }
+void decode(Decoder& in, char& value) {
+    value = static_cast<char>(in.octet());
+}
+void decode(Decoder& in, std::int8_t& value) {
+    value = static_cast<std::int8_t>(in.octet());
+}
+void decode(Decoder& in, std::uint8_t& value) {
+    value = in.octet();
+}
+void decode(Decoder& in, std::int16_t& value) {
+    decode_signed(in, value);
+}
+void decode(Decoder& in, std::uint16_t& value) {
+    decode_unsigned(in, value);
+}
+void decode(Decoder& in, std::int32_t& value) {
+    decode_signed(in, value);
+}
+void decode(Decoder& in, std::uint32_t& value) {
+    decode_unsigned(in, value);
+}
+void decode(Decoder& in, std::int64_t& value) {
+    value = static_cast<std::int64_t>(in.fixed64());
+}
+void decode(Decoder& in, std::uint64_t& value) {
+    value = in.fixed64();
+}
+void decode(Decoder& in, float& value) {
+    value = std::bit_cast<float>(in.fixed32());
+}
+void decode(Decoder& in, double& value) {
+    value = std::bit_cast<double>(in.fixed64());
+}
+void decode(Decoder& in, std::string& value) {
+    value = std::string{in.string()};
+}
 
 }  // namespace canorb::ccdr

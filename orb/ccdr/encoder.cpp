@@ -55,7 +55,8 @@ void Encoder::variable_unsigned(std::uint32_t value) {
     const VariableForm& form = shortest_unsigned_form(value);
     std::uint8_t* to = reserve(form.octets);
     if (to == nullptr) return;
-    for (std::size_t i = form.octets; i-- > 0; value >>= 8) to[i] = static_cast<std::uint8_t>(value);
+    for (std::size_t i = form.octets; i-- > 0; value >>= 8)
+        to[i] = static_cast<std::uint8_t>(value);
     to[0] = static_cast<std::uint8_t>((to[0] & ~form.lead_mask) | form.lead);
 }
 
@@ -94,18 +95,44 @@ void Encoder::string(std::string_view value) {
     }
 }
 
-void encode(Encoder& out, bool value) { out.octet(value ? 1 : 0); }
-void encode(Encoder& out, char value) { out.octet(static_cast<std::uint8_t>(value)); }
-void encode(Encoder& out, std::int8_t value) { out.octet(static_cast<std::uint8_t>(value)); }
-void encode(Encoder& out, std::uint8_t value) { out.octet(value); }
-void encode(Encoder& out, std::int16_t value) { out.variable_signed(value); }
-void encode(Encoder& out, std::uint16_t value) { out.variable_unsigned(value); }
-void encode(Encoder& out, std::int32_t value) { out.variable_signed(value); }
-void encode(Encoder& out, std::uint32_t value) { out.variable_unsigned(value); }
-void encode(Encoder& out, std::int64_t value) { out.fixed64(static_cast<std::uint64_t>(value)); }
-void encode(Encoder& out, std::uint64_t value) { out.fixed64(value); }
-void encode(Encoder& out, float value) { out.fixed32(std::bit_cast<std::uint32_t>(value)); }
-void encode(Encoder& out, double value) { out.fixed64(std::bit_cast<std::uint64_t>(value)); }
-void encode(Encoder& out, std::string_view value) { out.string(value); }
+void encode(Encoder& out, bool value) {
+    out.octet(value ? 1 : 0);
+}
+void encode(Encoder& out, char value) {
+    out.octet(static_cast<std::uint8_t>(value));
+}
+void encode(Encoder& out, std::int8_t value) {
+    out.octet(static_cast<std::uint8_t>(value));
+}
+void encode(Encoder& out, std::uint8_t value) {
+    out.octet(value);
+}
+void encode(Encoder& out, std::int16_t value) {
+    out.variable_signed(value);
+}
+void encode(Encoder& out, std::uint16_t value) {
+    out.variable_unsigned(value);
+}
+void encode(Encoder& out, std::int32_t value) {
+    out.variable_signed(value);
+}
+void encode(Encoder& out, std::uint32_t value) {
+    out.variable_unsigned(value);
+}
+void encode(Encoder& out, std::int64_t value) {
+    out.fixed64(static_cast<std::uint64_t>(value));
+}
+void encode(Encoder& out, std::uint64_t value) {
+    out.fixed64(value);
+}
+void encode(Encoder& out, float value) {
+    out.fixed32(std::bit_cast<std::uint32_t>(value));
+}
+void encode(Encoder& out, double value) {
+    out.fixed64(std::bit_cast<std::uint64_t>(value));
+}
+void encode(Encoder& out, std::string_view value) {
+    out.string(value);
+}
 
 }  // namespace canorb::ccdr

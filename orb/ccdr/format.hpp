@@ -17,11 +17,8 @@ struct VariableForm {
 
 // The longest form has 8 zero-or-fixed bits before 32 bits of value: 11110 and three zeros.
 inline constexpr VariableForm variable_forms[] = {
-    {1, 0x00, 0x80, 7},
-    {2, 0x80, 0xC0, 14},
-    {3, 0xC0, 0xE0, 21},
-    {4, 0xE0, 0xF0, 28},
-    {5, 0xF0, 0xFF, 32},
+    {1, 0x00, 0x80, 7},  {2, 0x80, 0xC0, 14}, {3, 0xC0, 0xE0, 21},
+    {4, 0xE0, 0xF0, 28}, {5, 0xF0, 0xFF, 32},
 };
 
 }  // namespace canorb::ccdr
