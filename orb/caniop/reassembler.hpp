@@ -70,9 +70,9 @@ using Reception = std::variant<Nothing, Message, Oversize, Malformed>;
 ///     no more than `inter_frame_timeout` between their time stamps. Any frame that breaks this
 ///     closes it; a repeated frame changes nothing, not even the time.
 ///  3. A message is handed out once, when it has exactly the octets that its first frame tells.
-///  4. Each frame that is not part of a message handed out, and each message closed early, adds
-///     to exactly one counter for its cause. Frames that an early closed message already had are
-///     not counted again; what follows of it counts as continuations_without_message.
+///  4. Each frame ignored and each message closed early adds one to the counter of its cause (a
+///     frame that both closes a message and is itself unusable, to two). What comes of a message
+///     after it was closed counts as continuations_without_message.
 ///
 /// Counted here: messages_received, malformed_messages, oversize_messages (at their end) and the
 /// "Reassembly" section of Counter, except frames_lost_by_link. The rest is the caller's.

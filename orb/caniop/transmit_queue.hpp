@@ -54,13 +54,14 @@ struct Finished {
 /// "Sending"). No threads, no clock, and it does not know the controller: the caller carries
 /// frames, results and aborts between the two:
 ///
+///     // on_result() for each TransmitResult that the controller has, then
 ///     queue.expire(now);
 ///     while (auto handle = queue.next_abort()) controller.abort(*handle);
 ///     while (auto frame = queue.next_frame(now)) {
 ///         const can::SendResult result = controller.send(*frame);
 ///         const auto* handle = std::get_if<can::TransmitHandle>(&result);
 ///         if (handle == nullptr) break;  // full: again after the next TransmitResult
-///         queue.handed_over(*handle, now);
+///         queue.handed_over(*handle);
 ///     }
 ///     while (auto finished = queue.next_finished()) { ... }
 ///
@@ -100,7 +101,7 @@ class TransmitQueue {
 
     /// The controller took the frame that next_frame() gave last, under this handle. Nothing but
     /// const functions may be called between the two.
-    void handed_over(can::TransmitHandle frame, TimePoint now);
+    void handed_over(can::TransmitHandle frame);
 
     /// What became of a frame handed over. Unknown handles are ignored.
     void on_result(const can::TransmitResult& result, TimePoint now);
@@ -137,7 +138,7 @@ class TransmitQueue {
         std::size_t handed_over = 0;  ///< of them
         std::size_t confirmed = 0;    ///< of those
         TimePoint last_confirmed{};   ///< when `confirmed` is not 0
-        bool waits_for_gap = false;   ///< until last_confirmed + continuation_gap
+        bool in_gap = false;          ///< between last_confirmed and the end of the gap
     };
 
     /// A frame in the controller.
@@ -151,9 +152,12 @@ class TransmitQueue {
     using Position = std::vector<Queued>::iterator;
 
     Position find(MessageHandle message);
-    void finish(Position message, MessageOutcome outcome, TimePoint time);
-    bool reserve(std::size_t length);
+    Position finish(Position message, MessageOutcome outcome, TimePoint time);
+    Position erase(Position message);
+    bool make_room(std::size_t length);
     void end_gaps(TimePoint now);
+    bool waits(const Queued& message) const;
+    TimePoint gap_end(const Queued& message) const;
     TimePoint stop_time(const Queued& message) const;
 
     TransmitLimits limits_;
