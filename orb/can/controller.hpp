@@ -67,7 +67,8 @@ using ControllerEvent = std::variant<Received, TransmitResult, StateChanged, Fra
 struct Capabilities {
     std::uint8_t max_payload = Frame::max_classic_payload;  ///< octets in a frame
     std::size_t mailboxes = 1;  ///< transmissions it holds at once; more are refused as `full`
-    /// Room for this many exact filters; 0: a BasicCAN controller with two mask-and-match registers.
+    /// Room for this many exact filters; 0: a BasicCAN controller with two mask-and-match
+    /// registers.
     std::size_t filter_list = 0;
     std::uint32_t bitrate = 0;  ///< bit/s; 0: the link does not know
     bool one_shot = false;

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "orb/can/controller.hpp"
+#include "orb/can/sim/frame_bus.hpp"
+
+namespace canorb::can::sim {
+
+/// A controller on a FrameBus, for one thread: the one that advances the bus. It acts at the bus's
+/// now() and has no event_fd(). The bus must outlive it.
+class Controller final : public can::Controller {
+  public:
+    explicit Controller(FrameBus& bus, const NodeOptions& options = {});
+    ~Controller() override;
+
+    Capabilities capabilities() const override;
+    [[nodiscard]] SendResult send(const Frame& frame, SendOptions options = {}) override;
+    void abort(TransmitHandle handle) override;
+    [[nodiscard]] bool set_filters(std::span<const Filter> filters) override;
+    [[nodiscard]] bool set_listen_only(bool on) override;
+    ErrorStatus error_status() const override;
+    void recover() override;
+    std::optional<ControllerEvent> poll() override;
+    int event_fd() const override { return -1; }
+
+    /// Whether poll() would return an event.
+    bool has_event() const { return !bus_.events(node_).empty(); }
+    /// Its number on the bus, as in CompletedFrame::sender.
+    NodeIndex node() const { return node_; }
+
+  private:
+    FrameBus& bus_;
+    NodeIndex node_;
+    std::uint64_t next_handle_ = 1;
+};
+
+}  // namespace canorb::can::sim
