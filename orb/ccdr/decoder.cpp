@@ -81,9 +81,9 @@ std::uint64_t Decoder::fixed64() {
     return value;
 }
 
-std::size_t Decoder::count(std::size_t element_octets) {
+std::size_t Decoder::count(std::size_t element_octets, std::size_t highest) {
     const std::size_t value = variable_unsigned(std::numeric_limits<std::uint32_t>::max());
-    if (!ok_ || value > remaining() / element_octets) {
+    if (!ok_ || value > remaining() / element_octets || value > highest) {
         fail();
         return 0;
     }
@@ -159,7 +159,7 @@ void decode(Decoder& in, double& value) {
     value = std::bit_cast<double>(in.fixed64());
 }
 void decode(Decoder& in, std::string& value) {
-    value = std::string{in.string()};
+    value.assign(in.string());
 }
 
 }  // namespace canorb::ccdr

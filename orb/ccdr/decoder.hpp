@@ -1,11 +1,14 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "orb/base/bytes.hpp"
@@ -49,7 +52,9 @@ class Decoder {
     std::uint32_t fixed32();
     /// A sequence's count. It fails when the octets left cannot hold so many elements of at least
     /// `element_octets` each, so nothing is allocated for a count that lies.
-    std::size_t count(std::size_t element_octets = 1);
+    /// It also fails above `highest`, the sequence's bound.
+    std::size_t count(std::size_t element_octets = 1,
+                      std::size_t highest = std::numeric_limits<std::size_t>::max());
     /// A string, without its NUL; the view is into the octets being read.
     std::string_view string();
 
@@ -86,7 +91,9 @@ void decode(Decoder& in, std::array<T, N>& value);
 template <typename T>
 void decode(Decoder& in, std::vector<T>& value);
 
-/// The fewest octets that a value of type T can take; generated code need not specialize it.
+/// The fewest octets that a value of type T can take; generated code need not specialize it. It is
+/// never 0, so that a count is always bounded by the octets that follow it: a sequence of a type
+/// that takes no octets at all cannot be received.
 template <typename T>
 inline constexpr std::size_t fewest_octets = 1;
 template <>
@@ -100,28 +107,38 @@ inline constexpr std::size_t fewest_octets<std::uint64_t> = 8;
 template <>
 inline constexpr std::size_t fewest_octets<std::string> = 2;
 template <typename T, std::size_t N>
-inline constexpr std::size_t fewest_octets<std::array<T, N>> = N * fewest_octets<T>;
+inline constexpr std::size_t fewest_octets<std::array<T, N>> = N == 0 ? 1 : N * fewest_octets<T>;
 
 template <typename T, std::size_t N>
 void decode(Decoder& in, std::array<T, N>& value) {
     for (T& element : value) decode(in, element);
 }
 
-template <typename T>
-void decode(Decoder& in, std::vector<T>& value) {
-    const std::size_t count = in.count(fewest_octets<T>);
+/// Reads `count` elements, each by `decode_element(in, element)`.
+template <typename T, typename DecodeElement>
+void decode_elements(Decoder& in, std::vector<T>& value, std::size_t count,
+                     DecodeElement decode_element) {
     value.clear();
     if constexpr (std::same_as<T, std::uint8_t>) {
         const Bytes octets = in.octets(count);
         value.assign(octets.begin(), octets.end());
     } else {
-        value.reserve(count);
+        // An element may be far larger in memory than in the fewest octets: a count that lies must
+        // not get megabytes, an honest one may well grow step by step.
+        constexpr std::size_t memory_per_octet = 8;
+        value.reserve(std::min(count, 1 + in.remaining() * memory_per_octet / sizeof(T)));
         for (std::size_t i = 0; i < count && in.ok(); ++i) {
             T element{};
-            decode(in, element);
+            decode_element(in, element);
             value.push_back(std::move(element));
         }
     }
+}
+
+template <typename T>
+void decode(Decoder& in, std::vector<T>& value) {
+    const std::size_t count = in.count(fewest_octets<T>);
+    decode_elements(in, value, count, [](Decoder& from, T& element) { decode(from, element); });
 }
 
 }  // namespace canorb::ccdr

@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "orb/base/bytes.hpp"
@@ -91,7 +92,7 @@ void encode(Encoder& out, const std::vector<T>& value) {
     if constexpr (std::same_as<T, std::uint8_t>) {
         out.octets(value);
     } else {
-        // Each element by value for std::vector<bool>, whose elements are proxies.
+        // The cast is for std::vector<bool>, whose elements are proxies.
         for (const auto& element : value) encode(out, static_cast<const T&>(element));
     }
 }
