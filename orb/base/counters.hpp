@@ -18,7 +18,7 @@ enum class Counter : std::uint8_t {
 
     // Frames ignored.
     frames_not_caniop,         ///< extended, remote or error frames, identifiers that CANIOP never sends
-    frames_of_other_groups,    ///< passed the controller's mask, but no member here (SPEC 2.1)
+    frames_of_other_groups,    ///< passed the controller's mask, but this node is no member (doc/wire/caniop.md)
     frames_of_duplicate_node,  ///< carried this node's own number as the sender
     frames_for_other_nodes,    ///< addressed to another node; the controller has no exact filter
 
@@ -54,6 +54,9 @@ enum class Counter : std::uint8_t {
     messages_expired,          ///< queued messages withdrawn at their deadline
     messages_stopped,          ///< messages given up between two of their frames
     messages_failed,           ///< messages that failed with the controller
+    group_requests_dropped,    ///< group calls with too many others waiting for servants
+    answers_dropped,           ///< Replies and MessageErrors that the transmit queue had no room for
+    notices_lost,              ///< events beyond what the application fetched
 
     count_  ///< not a counter: their number
 };
