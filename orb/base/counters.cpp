@@ -40,11 +40,16 @@ constexpr std::array<std::string_view, counter_count> names = {
     "messages_expired",
     "messages_stopped",
     "messages_failed",
+    "group_requests_dropped",
+    "answers_dropped",
+    "notices_lost",
 };
 static_assert(!names.back().empty());
 
 }  // namespace
 
-std::string_view name(Counter counter) { return names[static_cast<std::size_t>(counter)]; }
+std::string_view name(Counter counter) {
+    return names[static_cast<std::size_t>(counter)];
+}
 
 }  // namespace canorb

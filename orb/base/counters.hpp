@@ -17,14 +17,15 @@ enum class Counter : std::uint8_t {
     messages_sent,      ///< messages whose last frame the controller confirmed
 
     // Frames ignored.
-    frames_not_caniop,         ///< extended, remote or error frames, identifiers that CANIOP never sends
-    frames_of_other_groups,    ///< passed the controller's mask, but this node is no member (doc/wire/caniop.md)
+    frames_not_caniop,  ///< extended, remote or error frames, identifiers that CANIOP never sends
+    frames_of_other_groups,    ///< passed the controller's mask, but this node is no member
+                               ///< (doc/wire/caniop.md)
     frames_of_duplicate_node,  ///< carried this node's own number as the sender
     frames_for_other_nodes,    ///< addressed to another node; the controller has no exact filter
 
     // Reassembly.
-    duplicate_frames,               ///< same sequence number, or same first frame, as the frame before
-    sequence_errors,                ///< an unexpected sequence number closed a partial message
+    duplicate_frames,  ///< same sequence number, or same first frame, as the frame before
+    sequence_errors,   ///< an unexpected sequence number closed a partial message
     continuations_without_message,  ///< a continuation frame with no message open
     interrupted_messages,           ///< a new first frame closed a partial message
     short_first_frames,             ///< a first frame with fewer octets than the header
@@ -46,17 +47,17 @@ enum class Counter : std::uint8_t {
     unmatched_replies,          ///< a Reply that no outstanding call waits for
 
     // Calls.
-    requests_dispatched,       ///< servant calls, local ones included
+    requests_dispatched,         ///< servant calls, local ones included
     group_interface_mismatches,  ///< a group member without the interface that the Request names
-    group_requests_failed,     ///< group or oneway calls whose servant raised or did not decode
-    requests_refused,          ///< Requests answered with an exception before any servant call
-    calls_timed_out,           ///< two-way calls that reached their deadline
-    messages_expired,          ///< queued messages withdrawn at their deadline
-    messages_stopped,          ///< messages given up between two of their frames
-    messages_failed,           ///< messages that failed with the controller
-    group_requests_dropped,    ///< group calls with too many others waiting for servants
-    answers_dropped,           ///< Replies and MessageErrors that the transmit queue had no room for
-    notices_lost,              ///< events beyond what the application fetched
+    group_requests_failed,       ///< group or oneway calls whose servant raised or did not decode
+    requests_refused,            ///< Requests answered with an exception before any servant call
+    calls_timed_out,             ///< two-way calls that reached their deadline
+    messages_expired,            ///< queued messages withdrawn at their deadline
+    messages_stopped,            ///< messages given up between two of their frames
+    messages_failed,             ///< messages that failed with the controller
+    group_requests_dropped,      ///< group calls with too many others waiting for servants
+    answers_dropped,  ///< Replies and MessageErrors that the transmit queue had no room for
+    notices_lost,     ///< events beyond what the application fetched
 
     count_  ///< not a counter: their number
 };

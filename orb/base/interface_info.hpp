@@ -60,9 +60,10 @@ inline constexpr std::string_view corba_object_id = "IDL:omg.org/CORBA/Object:1.
 struct OperationInfo {
     const InterfaceInfo* declared_in;  ///< the interface that declares it
     OperationId id;
-    std::string_view name;   ///< as in the IDL; an attribute's are "_get_x" and "_set_x"
-    bool oneway = false;     ///< declared `oneway`: no Reply
-    bool groupable = false;  ///< no result, no out or inout parameter, no raises: a group may get it
+    std::string_view name;  ///< as in the IDL; an attribute's are "_get_x" and "_set_x"
+    bool oneway = false;    ///< declared `oneway`: no Reply
+    bool groupable =
+        false;  ///< no result, no out or inout parameter, no raises: a group may get it
 };
 
 }  // namespace canorb

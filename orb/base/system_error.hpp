@@ -8,22 +8,22 @@ namespace canorb {
 
 /// CORBA's standard system exceptions, as far as canorb raises or understands them.
 enum class SystemErrorKind : std::uint8_t {
-    unknown,              ///< an exception that the operation does not declare
-    bad_param,            ///< a value outside what the IDL or the call allows
-    bad_operation,        ///< no such operation, or not one that can be called this way
-    bad_inv_order,        ///< a call that is not allowed in this state
-    comm_failure,         ///< the bus or the peer failed during the call
-    imp_limit,            ///< a message larger than a limit
-    internal,             ///< a fault in canorb itself
-    inv_objref,           ///< a malformed object reference
-    marshal,              ///< octets that are not the encoding of the declared types
-    no_implement,         ///< declared, but not implemented
-    no_permission,        ///< refused
-    no_resources,         ///< a table or queue is full
-    obj_adapter,          ///< the POA manager is inactive
-    object_not_exist,     ///< no object with this key
-    timeout,              ///< the deadline passed
-    transient,            ///< not now; trying again may work
+    unknown,           ///< an exception that the operation does not declare
+    bad_param,         ///< a value outside what the IDL or the call allows
+    bad_operation,     ///< no such operation, or not one that can be called this way
+    bad_inv_order,     ///< a call that is not allowed in this state
+    comm_failure,      ///< the bus or the peer failed during the call
+    imp_limit,         ///< a message larger than a limit
+    internal,          ///< a fault in canorb itself
+    inv_objref,        ///< a malformed object reference
+    marshal,           ///< octets that are not the encoding of the declared types
+    no_implement,      ///< declared, but not implemented
+    no_permission,     ///< refused
+    no_resources,      ///< a table or queue is full
+    obj_adapter,       ///< the POA manager is inactive
+    object_not_exist,  ///< no object with this key
+    timeout,           ///< the deadline passed
+    transient,         ///< not now; trying again may work
 };
 
 /// How far the operation got when it failed. The values are those of the wire.

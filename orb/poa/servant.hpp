@@ -12,6 +12,14 @@
 
 namespace canorb::poa {
 
+/// Octets that are CCDR already: reply(RawOctets{...}) sends them as they are.
+struct RawOctets {
+    Bytes octets;
+};
+inline void encode(ccdr::Encoder& out, const RawOctets& value) {
+    out.octets(value.octets);
+}
+
 /// One Request on its way through a skeleton: the parameters to read, and the answer.
 ///
 /// A skeleton calls read() once with all in and inout parameters, then one of reply(), raise() or
@@ -22,7 +30,7 @@ class ServerCall {
 
     /// `parameters` and `reply_buffer` belong to the caller and outlive this object.
     ServerCall(OperationId operation, ccdr::Decoder parameters, MutableBytes reply_buffer)
-        : operation_(operation), in_(parameters), out_(reply_buffer) {}
+        : operation_(operation), in_(parameters), reply_buffer_(reply_buffer), out_(reply_buffer) {}
 
     OperationId operation() const { return operation_; }
 
@@ -65,8 +73,8 @@ class ServerCall {
     Bytes body() const { return out_.octets(); }
     const SystemError& system_error() const { return error_; }
 
-    /// For what reads and writes without generated code.
-    ccdr::Decoder& in() { return in_; }
+    /// The parameters as octets, for what reads them without generated code. They stay valid
+    /// until the call is answered.
     Bytes remaining_parameters() { return in_.octets(in_.remaining()); }
 
   private:
@@ -77,9 +85,16 @@ class ServerCall {
     bool oneway_ = false;
     Outcome outcome_ = Outcome::none;
     ccdr::Decoder in_;
+    MutableBytes reply_buffer_;
     ccdr::Encoder out_;
     SystemError error_{};
 };
+
+class Servant;
+
+/// Calls a servant: answers the ORB's own operations (_is_a and its kin) itself, hands all others
+/// to _dispatch(), and answers BAD_OPERATION for what nobody answered.
+void dispatch(Servant& servant, ServerCall& call);
 
 /// What an object adapter can call: every generated XServant, and raw servants.
 ///

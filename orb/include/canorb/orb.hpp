@@ -30,10 +30,10 @@ namespace canorb {
 /// What happened to the node that is no call's business. `text` is one line for people.
 struct Event {
     enum class Kind : std::uint8_t {
-        duplicate_node,      ///< another node uses this node's id
-        controller_state,    ///< error active, error passive, bus-off, stopped
-        frames_lost,         ///< the link lost received frames; partial messages were dropped
-        servant_exception,   ///< a servant or callback raised what nobody could be told
+        duplicate_node,     ///< another node uses this node's id
+        controller_state,   ///< error active, error passive, bus-off, stopped
+        frames_lost,        ///< the link lost received frames; partial messages were dropped
+        servant_exception,  ///< a servant or callback raised what nobody could be told
     };
     Kind kind;
     TimePoint time;

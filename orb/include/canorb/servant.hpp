@@ -7,7 +7,8 @@
 ///       public:
 ///         const canorb::InterfaceInfo& _interface_info() const override { return echo_interface; }
 ///         void _dispatch(canorb::ServerCall& call) override {
-///             if (call.operation() == 0) call.reply(canorb::RawOctets{call.remaining_parameters()});
+///             if (call.operation() == 0)
+///             call.reply(canorb::RawOctets{call.remaining_parameters()});
 ///         }
 ///     };
 

@@ -1,0 +1,470 @@
+#include "orb/core/engine.hpp"
+
+#include <algorithm>
+
+#include "orb/giop/message.hpp"
+#include "orb/giop/system_exception.hpp"
+
+namespace canorb::core {
+namespace {
+
+constexpr std::size_t notice_capacity = 256;
+constexpr std::size_t standard_identifiers = 2048;
+constexpr Duration duplicate_notice_interval = std::chrono::seconds{1};
+
+constexpr SystemError comm_failure(Completion completion) {
+    return {SystemErrorKind::comm_failure, completion};
+}
+
+std::span<std::uint8_t, giop::request_header_size> request_header(MutableBytes message) {
+    return message.first<giop::request_header_size>();
+}
+
+}  // namespace
+
+Engine::Engine(const EngineOptions& options)
+    : options_(options),
+      reassembler_(options.receive, {giop::header_size, giop::message_length}, counters_),
+      queue_(options.transmit),
+      calls_(options.max_outstanding_calls),
+      incoming_(options.max_incoming_requests),
+      notices_(notice_capacity),
+      next_request_id_(options.first_request_id),
+      last_request_ids_(standard_identifiers) {}
+
+void Engine::set_node(std::optional<NodeId> node) {
+    options_.node = node;
+    filters_changed_ = true;
+}
+
+bool Engine::join(GroupId group, const mca::Member& member) {
+    const bool joined = agent_.join(group, member);
+    filters_changed_ = true;
+    return joined;
+}
+
+void Engine::leave(GroupId group, ObjectIndex index) {
+    agent_.leave(group, index);
+    filters_changed_ = true;
+}
+
+bool Engine::deactivate(ObjectIndex index) {
+    agent_.leave_all(index);
+    filters_changed_ = true;
+    return adapter_.deactivate(index);
+}
+
+// ---- calls out
+
+RequestId Engine::take_request_id() {
+    while (calls_.has_request_id(next_request_id_)) ++next_request_id_;
+    return next_request_id_++;
+}
+
+std::optional<SystemError> Engine::obstacle() const {
+    if (!options_.node) return SystemError{SystemErrorKind::bad_inv_order, Completion::no};
+    if (link_down_) return comm_failure(Completion::no);
+    return std::nullopt;
+}
+
+Result<caniop::MessageHandle, SystemError> Engine::enqueue(caniop::Identifier to, Bytes message,
+                                                           TimePoint deadline) {
+    const auto handle = queue_.enqueue(to, message, deadline);
+    if (!handle) return Failure{SystemError{SystemErrorKind::no_resources, Completion::no}};
+    return *handle;
+}
+
+bool Engine::queue_local(IncomingRequest request, Bytes parameters) {
+    if (incoming_.full()) return false;
+    request.parameters = buffers_.copy_of(parameters);
+    incoming_.push(std::move(request));
+    return true;
+}
+
+Result<CallHandle, SystemError> Engine::call(ObjectKey target, OperationId operation,
+                                             MutableBytes message, TimePoint deadline) {
+    const bool own = is_own(target);
+    if (const auto error = own ? std::nullopt : obstacle()) return Failure{*error};
+    OutstandingCalls::Call* call = calls_.open(deadline);
+    if (call == nullptr) {
+        return Failure{SystemError{SystemErrorKind::no_resources, Completion::no}};
+    }
+    if (own) {
+        IncomingRequest request;
+        request.answer_to = LocalCaller{call->handle};
+        request.object = target.index();
+        request.operation = operation;
+        if (!queue_local(std::move(request), message.subspan(giop::request_header_size))) {
+            calls_.end(*call, SystemError{SystemErrorKind::transient, Completion::no});
+        }
+        return call->handle;
+    }
+    call->request_id = take_request_id();
+    call->peer = target.node();
+    giop::write_request_header(request_header(message), call->request_id, target.value(), operation,
+                               message.size() - giop::request_header_size);
+    const auto queued =
+        enqueue(caniop::Identifier::to_node(target.node(), *options_.node), message, deadline);
+    if (queued) {
+        call->message = *queued;
+    } else {
+        calls_.end(*call, queued.error());
+    }
+    return call->handle;
+}
+
+Engine::Sent Engine::send(ObjectKey target, OperationId operation, MutableBytes message,
+                          TimePoint deadline) {
+    if (is_own(target)) {
+        IncomingRequest request;
+        request.object = target.index();
+        request.operation = operation;
+        if (!queue_local(std::move(request), message.subspan(giop::request_header_size))) {
+            return Failure{SystemError{SystemErrorKind::transient, Completion::no}};
+        }
+        return std::optional<caniop::MessageHandle>{};
+    }
+    if (const auto error = obstacle()) return Failure{*error};
+    giop::write_request_header(request_header(message), take_request_id(), target.value(),
+                               operation, message.size() - giop::request_header_size);
+    const auto queued =
+        enqueue(caniop::Identifier::to_node(target.node(), *options_.node), message, deadline);
+    if (!queued) return Failure{queued.error()};
+    return std::optional{*queued};
+}
+
+Engine::Sent Engine::multicast(GroupId group, std::uint16_t interface_key, OperationId operation,
+                               MutableBytes message, TimePoint deadline) {
+    if (const auto error = obstacle()) return Failure{*error};
+    // Before anything is sent: a call that fails must not have reached some of the members.
+    if (agent_.has_members(group) && incoming_.full()) {
+        return Failure{SystemError{SystemErrorKind::transient, Completion::no}};
+    }
+    giop::write_request_header(request_header(message), take_request_id(), interface_key, operation,
+                               message.size() - giop::request_header_size);
+    const auto queued =
+        enqueue(caniop::Identifier::to_group(group, *options_.node), message, deadline);
+    if (!queued) return Failure{queued.error()};
+    if (agent_.has_members(group)) {
+        IncomingRequest request;
+        request.group = group;
+        request.interface_key = interface_key;
+        request.operation = operation;
+        queue_local(std::move(request), message.subspan(giop::request_header_size));
+    }
+    return std::optional{*queued};
+}
+
+std::optional<caniop::MessageHandle> Engine::message_of(CallHandle handle) {
+    const OutstandingCalls::Call* call = calls_.find(handle);
+    return call == nullptr ? std::nullopt : call->message;
+}
+
+bool Engine::ended(CallHandle handle) {
+    const OutstandingCalls::Call* call = calls_.find(handle);
+    return call == nullptr || call->state == OutstandingCalls::Call::State::ended;
+}
+
+// ---- calls in
+
+std::optional<IncomingRequest> Engine::next_request() {
+    while (auto request = incoming_.pop()) {
+        const auto* local = std::get_if<LocalCaller>(&request->answer_to);
+        if (local == nullptr) return request;
+        OutstandingCalls::Call* call = calls_.find(local->call);
+        if (call != nullptr && call->state == OutstandingCalls::Call::State::waiting) {
+            call->begun = true;
+            return request;
+        }
+        // The caller has its TIMEOUT, completion NO: it must not run after that.
+        buffers_.release(std::move(request->parameters));
+    }
+    return std::nullopt;
+}
+
+void Engine::answer(const AnswerTo& to, giop::ReplyStatus status, MutableBytes message,
+                    TimePoint now) {
+    if (const auto* local = std::get_if<LocalCaller>(&to)) {
+        OutstandingCalls::Call* call = calls_.find(local->call);
+        if (call == nullptr || call->state != OutstandingCalls::Call::State::waiting) {
+            counters_.add(Counter::unmatched_replies);
+            return;
+        }
+        calls_.end(*call,
+                   CallAnswer{status, buffers_.copy_of(message.subspan(giop::reply_header_size))});
+    } else if (const auto* remote = std::get_if<RemoteCaller>(&to)) {
+        giop::write_reply_header(message.first<giop::reply_header_size>(), remote->request_id,
+                                 status, message.size() - giop::reply_header_size);
+        const bool queued =
+            !obstacle() && enqueue(caniop::Identifier::to_node(remote->node, *options_.node),
+                                   message, now + options_.answer_lifetime)
+                               .ok();
+        if (!queued) counters_.add(Counter::answers_dropped);
+    }
+}
+
+void Engine::refuse(const AnswerTo& to, const SystemError& error, TimePoint now) {
+    if (const auto* local = std::get_if<LocalCaller>(&to)) {
+        OutstandingCalls::Call* call = calls_.find(local->call);
+        if (call != nullptr && call->state == OutstandingCalls::Call::State::waiting) {
+            calls_.end(*call, error);
+        }
+        return;
+    }
+    std::array<std::uint8_t, giop::reply_header_size + giop::max_system_exception_octets> message;
+    ccdr::Encoder body{MutableBytes{message}.subspan(giop::reply_header_size)};
+    giop::encode(body, error);
+    answer(to, giop::ReplyStatus::system_exception,
+           MutableBytes{message}.first(giop::reply_header_size + body.size()), now);
+}
+
+// ---- the link
+
+void Engine::on_event(const can::ControllerEvent& event, TimePoint now) {
+    if (const auto* received = std::get_if<can::Received>(&event)) {
+        on_frame(*received, now);
+    } else if (const auto* result = std::get_if<can::TransmitResult>(&event)) {
+        if (result->outcome == can::TransmitOutcome::sent) counters_.add(Counter::frames_sent);
+        queue_.on_result(*result, now);
+        collect_finished();
+    } else if (const auto* change = std::get_if<can::StateChanged>(&event)) {
+        on_state(*change, now);
+    } else if (const auto* loss = std::get_if<can::FramesLost>(&event)) {
+        counters_.add(Counter::frames_lost_by_link, loss->count);
+        reassembler_.drop_all();
+        notify(LinkLostFrames{*loss});
+    }
+}
+
+void Engine::on_state(const can::StateChanged& change, TimePoint now) {
+    link_down_ = change.status.state == can::ControllerState::bus_off ||
+                 change.status.state == can::ControllerState::stopped;
+    if (link_down_) {
+        queue_.fail_all(now);
+        collect_finished();
+        fail_calls(std::nullopt, comm_failure(Completion::maybe));
+    }
+    notify(ControllerChanged{change});
+}
+
+void Engine::on_frame(const can::Received& received, TimePoint now) {
+    const auto admitted = caniop::admit(received.frame, options_.node, agent_.groups());
+    if (const auto* cause = std::get_if<Counter>(&admitted)) {
+        counters_.add(*cause);
+        if (*cause != Counter::frames_of_duplicate_node) return;
+        // One notice tells it; a line for each frame would drown everything else.
+        if (!last_duplicate_notice_ || now - *last_duplicate_notice_ >= duplicate_notice_interval) {
+            last_duplicate_notice_ = now;
+            notify(DuplicateNodeSeen{received.time});
+        }
+        return;
+    }
+    counters_.add(Counter::frames_received);
+    const caniop::Reception reception = reassembler_.accept(
+        std::get<caniop::Identifier>(admitted), received.frame.payload(), received.time);
+    if (const auto* message = std::get_if<caniop::Message>(&reception)) {
+        on_message(*message, now);
+    } else if (const auto* oversize = std::get_if<caniop::Oversize>(&reception)) {
+        on_oversize(*oversize, now);
+    } else if (const auto* malformed = std::get_if<caniop::Malformed>(&reception)) {
+        on_malformed(*malformed, received.time, now);
+    }
+}
+
+void Engine::on_message(const caniop::Message& message, TimePoint now) {
+    const caniop::Identifier from = message.from;
+    const NodeId peer{from.sender};
+    const auto parsed = giop::parse(message.octets);
+    if (!from.peer_to_peer && !(parsed && std::holds_alternative<giop::Request>(*parsed))) {
+        counters_.add(Counter::replies_on_group);
+        return;
+    }
+    if (!parsed) {
+        // Its length was right, so it is a Reply whose status is none.
+        counters_.add(Counter::malformed_messages);
+        const RequestId id = read_be16(message.octets.data() + giop::request_id_offset);
+        if (auto* call = calls_.find_waiting(peer, id)) {
+            calls_.end(*call, SystemError{SystemErrorKind::marshal, Completion::yes});
+        }
+    } else if (const auto* request = std::get_if<giop::Request>(&*parsed)) {
+        if (is_duplicate(from, request->id)) return;
+        if (from.peer_to_peer) {
+            on_request(from, *request, now);
+        } else {
+            on_group_request(from, *request);
+        }
+    } else if (const auto* reply = std::get_if<giop::Reply>(&*parsed)) {
+        on_reply(peer, *reply);
+    } else {
+        on_message_error(peer);
+    }
+}
+
+bool Engine::is_duplicate(caniop::Identifier from, RequestId id) {
+    std::optional<RequestId>& last = last_request_ids_[from.can_id()];
+    if (last == id) {
+        counters_.add(Counter::duplicate_requests);
+        return true;
+    }
+    last = id;
+    return false;
+}
+
+void Engine::on_group_request(caniop::Identifier from, const giop::Request& request) {
+    IncomingRequest incoming;
+    incoming.group = GroupId{from.receiver};
+    incoming.interface_key = request.object_key;
+    incoming.operation = request.operation;
+    if (!queue_local(std::move(incoming), request.parameters)) {
+        counters_.add(Counter::group_requests_dropped);
+    }
+}
+
+void Engine::on_request(caniop::Identifier from, const giop::Request& request, TimePoint now) {
+    const ObjectKey key{request.object_key};
+    const RemoteCaller caller{NodeId{from.sender}, request.id};
+    IncomingRequest incoming;
+    incoming.answer_to = caller;
+    incoming.object = key.index();
+    incoming.operation = request.operation;
+    if (!is_own(key)) {
+        counters_.add(Counter::requests_refused);
+        refuse(caller, {SystemErrorKind::object_not_exist, Completion::no}, now);
+    } else if (!queue_local(std::move(incoming), request.parameters)) {
+        counters_.add(Counter::requests_refused);
+        refuse(caller, {SystemErrorKind::transient, Completion::no}, now);
+    }
+}
+
+void Engine::on_reply(NodeId peer, const giop::Reply& reply) {
+    OutstandingCalls::Call* call = calls_.find_waiting(peer, reply.id);
+    if (call == nullptr) {
+        counters_.add(Counter::unmatched_replies);
+        return;
+    }
+    if (reply.status == giop::ReplyStatus::system_exception) {
+        ccdr::Decoder in{reply.body};
+        SystemError error;
+        giop::decode(in, error);
+        if (!in.finished()) error = {SystemErrorKind::marshal, Completion::yes};
+        calls_.end(*call, error);
+    } else {
+        calls_.end(*call, CallAnswer{reply.status, buffers_.copy_of(reply.body)});
+    }
+}
+
+void Engine::on_message_error(NodeId peer) {
+    counters_.add(Counter::message_errors_received);
+    fail_calls(peer, comm_failure(Completion::maybe));
+}
+
+void Engine::on_oversize(const caniop::Oversize& message, TimePoint now) {
+    const SystemError imp_limit{SystemErrorKind::imp_limit, Completion::no};
+    const NodeId peer{message.from.sender};
+    if (!message.from.peer_to_peer) return;  // counted by the reassembler, and nobody to tell
+    if (const auto request = giop::parse_request_header(message.first_frame)) {
+        if (is_duplicate(message.from, request->id)) return;
+        counters_.add(Counter::requests_refused);
+        refuse(RemoteCaller{peer, request->id}, imp_limit, now);
+    } else if (const auto reply = giop::parse_reply_header(message.first_frame)) {
+        if (auto* call = calls_.find_waiting(peer, reply->id)) {
+            calls_.end(*call, SystemError{SystemErrorKind::imp_limit, Completion::yes});
+        } else {
+            counters_.add(Counter::unmatched_replies);
+        }
+    }
+}
+
+void Engine::on_malformed(const caniop::Malformed& message, TimePoint received, TimePoint now) {
+    const std::uint8_t first = message.first_frame.front();
+    const bool in_answer = first == giop::type_and_flags(giop::MessageType::reply) ||
+                           first == giop::type_and_flags(giop::MessageType::message_error);
+    if (!message.from.peer_to_peer || in_answer || obstacle()) return;
+    std::optional<TimePoint>& last = last_message_error_[message.from.sender];
+    if (last && received - *last < options_.receive.inter_frame_timeout) {
+        counters_.add(Counter::message_errors_suppressed);
+        return;
+    }
+    last = received;
+    const auto octets = giop::message_error();
+    const auto to = caniop::Identifier::to_node(NodeId{message.from.sender}, *options_.node);
+    const bool queued = enqueue(to, octets, now + options_.answer_lifetime).ok();
+    counters_.add(queued ? Counter::message_errors_sent : Counter::answers_dropped);
+}
+
+std::optional<caniop::FilterSet> Engine::take_filters(const can::Capabilities& capabilities) {
+    if (!filters_changed_) return std::nullopt;
+    filters_changed_ = false;
+    // With fewer places than groups the two registers are what a controller surely has.
+    return capabilities.filter_list > agent_.groups().size()
+               ? caniop::exact_filters(options_.node, agent_.groups())
+               : caniop::mask_filters(options_.node, agent_.groups());
+}
+
+// ---- time
+
+void Engine::on_time(TimePoint now) {
+    calls_.for_each_waiting([&](OutstandingCalls::Call& call) {
+        if (call.deadline > now) return;
+        const bool not_begun =
+            call.message ? queue_.withdraw(*call.message) : !call.peer && !call.begun;
+        if (not_begun && call.message) notify(MessageDropped{*call.message});
+        counters_.add(Counter::calls_timed_out);
+        calls_.end(call, SystemError{SystemErrorKind::timeout,
+                                     not_begun ? Completion::no : Completion::maybe});
+    });
+    queue_.expire(now);
+    collect_finished();
+}
+
+TimePoint Engine::next_deadline() const {
+    return std::min(queue_.next_deadline(), calls_.next_deadline());
+}
+
+void Engine::fail_calls(std::optional<NodeId> peer, const SystemError& error) {
+    calls_.for_each_waiting([&](OutstandingCalls::Call& call) {
+        if (call.peer && (!peer || call.peer == peer)) calls_.end(call, error);
+    });
+}
+
+void Engine::collect_finished() {
+    while (const auto finished = queue_.next_finished()) {
+        OutstandingCalls::Call* call = calls_.find_waiting(finished->handle);
+        switch (finished->outcome) {
+            case caniop::MessageOutcome::sent:
+                counters_.add(Counter::messages_sent);
+                if (call != nullptr) call->message.reset();
+                notify(MessageSent{finished->handle});
+                continue;
+            case caniop::MessageOutcome::expired:
+                counters_.add(Counter::messages_expired);
+                if (call != nullptr) {
+                    counters_.add(Counter::calls_timed_out);
+                    calls_.end(*call, SystemError{SystemErrorKind::timeout, Completion::no});
+                }
+                break;
+            case caniop::MessageOutcome::stopped:
+                counters_.add(Counter::messages_stopped);
+                if (call != nullptr) calls_.end(*call, comm_failure(Completion::maybe));
+                break;
+            case caniop::MessageOutcome::failed:
+                counters_.add(Counter::messages_failed);
+                if (call != nullptr) {
+                    calls_.end(*call, comm_failure(finished->any_frame_confirmed ? Completion::maybe
+                                                                                 : Completion::no));
+                }
+                break;
+        }
+        notify(MessageDropped{finished->handle});
+    }
+}
+
+void Engine::notify(Notice notice) {
+    if (notices_.full()) {
+        counters_.add(Counter::notices_lost);
+        return;
+    }
+    notices_.push(std::move(notice));
+}
+
+}  // namespace canorb::core

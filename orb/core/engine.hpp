@@ -1,0 +1,220 @@
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <variant>
+#include <vector>
+
+#include "orb/base/counters.hpp"
+#include "orb/base/fifo.hpp"
+#include "orb/base/ids.hpp"
+#include "orb/base/interface_info.hpp"
+#include "orb/base/result.hpp"
+#include "orb/base/system_error.hpp"
+#include "orb/base/time.hpp"
+#include "orb/can/controller.hpp"
+#include "orb/caniop/filters.hpp"
+#include "orb/caniop/reassembler.hpp"
+#include "orb/caniop/transmit_queue.hpp"
+#include "orb/core/buffer_pool.hpp"
+#include "orb/core/outstanding_calls.hpp"
+#include "orb/mca/multicast_agent.hpp"
+#include "orb/poa/object_adapter.hpp"
+
+namespace canorb::core {
+
+struct EngineOptions {
+    std::optional<NodeId> node;
+    /// How long answers and refusals may wait in the transmit queue.
+    Duration answer_lifetime = std::chrono::seconds{1};
+    std::size_t max_outstanding_calls = 64;
+    /// Requests that wait for a servant; a two-way one beyond is answered TRANSIENT.
+    std::size_t max_incoming_requests = 64;
+    caniop::ReassemblerLimits receive{};
+    caniop::TransmitLimits transmit{};
+    /// Start of the request id counter; random, so that a restarted node repeats none.
+    RequestId first_request_id = 0;
+};
+
+/// Where the answer to a Request goes.
+struct RemoteCaller {
+    NodeId node;
+    RequestId request_id;
+};
+struct LocalCaller {
+    CallHandle call;
+};
+/// To a group, or oneway within this node.
+struct NoAnswer {};
+using AnswerTo = std::variant<NoAnswer, RemoteCaller, LocalCaller>;
+
+/// A Request whose servants are to be called.
+struct IncomingRequest {
+    AnswerTo answer_to{};
+    std::optional<GroupId> group;     ///< nothing: one object
+    ObjectIndex object = 0;           ///< where it is for one object
+    std::uint16_t interface_key = 0;  ///< where it is for a group; 0: unchecked
+    OperationId operation = 0;
+    Buffer parameters{};
+};
+
+/// The last frame of a message is confirmed.
+struct MessageSent {
+    caniop::MessageHandle message;
+};
+/// Its message will never be sent: expired, stopped or failed.
+struct MessageDropped {
+    caniop::MessageHandle message;
+};
+struct DuplicateNodeSeen {
+    TimePoint time;
+};
+struct ControllerChanged {
+    can::StateChanged change;
+};
+struct LinkLostFrames {
+    can::FramesLost loss;
+};
+
+/// What the application may want to know, in the order in which it happened.
+using Notice = std::variant<std::monostate, MessageSent, MessageDropped, DuplicateNodeSeen,
+                            ControllerChanged, LinkLostFrames>;
+
+/// The ORB without a clock, a thread or a link: controller events and the time come in, frames,
+/// requests for servants, results of calls and notices go out.
+///
+/// Not safe for several threads at once. After any call that is not const, the owner
+///  * fetches take_filters(), next_abort() and next_frame() for the controller,
+///  * and next_request() and next_notice() for the application.
+///
+/// Invariants:
+///  * a two-way call ends exactly once, at its deadline at the latest (given on_time());
+///  * a message that the link or a peer sends is executed at most once, and what is not executed
+///    is counted;
+///  * while the link is down nothing is queued.
+class Engine {
+  public:
+    explicit Engine(const EngineOptions& options);
+
+    // ---- the node
+
+    std::optional<NodeId> node() const { return options_.node; }
+    void set_node(std::optional<NodeId> node);
+
+    poa::ObjectAdapter& adapter() { return adapter_; }
+    const mca::MulticastAgent& agent() const { return agent_; }
+    [[nodiscard]] bool join(GroupId group, const mca::Member& member);
+    void leave(GroupId group, ObjectIndex index);
+    /// Takes an object out of the adapter and of all groups; false when it was not active.
+    [[nodiscard]] bool deactivate(ObjectIndex index);
+
+    const Counters& counters() const { return counters_; }
+    /// For what only the owner can see: servants' exceptions.
+    void count(Counter counter) { counters_.add(counter); }
+
+    // ---- calls out. `message` has the octets of a Request, with giop::request_header_size octets
+    // reserved in front of the parameters; the engine writes the header and copies the message.
+
+    /// A two-way call. Its end is fetched with take_result().
+    Result<CallHandle, SystemError> call(ObjectKey target, OperationId operation,
+                                         MutableBytes message, TimePoint deadline);
+    /// A oneway call. Nothing in place of a handle: the object is this node's own.
+    Result<std::optional<caniop::MessageHandle>, SystemError> send(ObjectKey target,
+                                                                   OperationId operation,
+                                                                   MutableBytes message,
+                                                                   TimePoint deadline);
+    /// A call to a group, local members included.
+    Result<std::optional<caniop::MessageHandle>, SystemError> multicast(GroupId group,
+                                                                        std::uint16_t interface_key,
+                                                                        OperationId operation,
+                                                                        MutableBytes message,
+                                                                        TimePoint deadline);
+
+    /// The message of a two-way call, while it is on its way to the bus.
+    std::optional<caniop::MessageHandle> message_of(CallHandle call);
+    /// Whether take_result() has something to give.
+    bool ended(CallHandle call);
+    /// The end of a call; nothing while it is outstanding. The call is forgotten.
+    std::optional<CallResult> take_result(CallHandle call) { return calls_.take(call); }
+
+    // ---- calls in
+
+    /// The next Request for servants. Its buffer goes back with buffers().release().
+    std::optional<IncomingRequest> next_request();
+    /// Whether next_request() has something to give.
+    bool has_request() const { return !incoming_.empty(); }
+    /// Answers a Request. `message` has giop::reply_header_size octets reserved in front of the
+    /// body. With NoAnswer it does nothing.
+    void answer(const AnswerTo& to, giop::ReplyStatus status, MutableBytes message, TimePoint now);
+    void refuse(const AnswerTo& to, const SystemError& error, TimePoint now);
+
+    // ---- the link
+
+    void on_event(const can::ControllerEvent& event, TimePoint now);
+    /// The filters for the controller, when they changed since the last time.
+    std::optional<caniop::FilterSet> take_filters(const can::Capabilities& capabilities);
+    std::optional<can::Frame> next_frame(TimePoint now) { return queue_.next_frame(now); }
+    void handed_over(can::TransmitHandle frame) { queue_.handed_over(frame); }
+    std::optional<can::TransmitHandle> next_abort() { return queue_.next_abort(); }
+    /// Messages that are not yet sent.
+    std::size_t queued_messages() const { return queue_.size(); }
+
+    // ---- time
+
+    /// Ends what is due by time alone.
+    void on_time(TimePoint now);
+    /// When on_time() or next_frame() has something to do; never: not at all.
+    TimePoint next_deadline() const;
+
+    std::optional<Notice> next_notice() { return notices_.pop(); }
+    BufferPool& buffers() { return buffers_; }
+
+  private:
+    using Sent = Result<std::optional<caniop::MessageHandle>, SystemError>;
+
+    RequestId take_request_id();
+    /// Why nothing can be sent now, if so.
+    std::optional<SystemError> obstacle() const;
+    bool is_own(ObjectKey target) const { return options_.node == target.node(); }
+    bool queue_local(IncomingRequest request, Bytes parameters);
+    Result<caniop::MessageHandle, SystemError> enqueue(caniop::Identifier to, Bytes message,
+                                                       TimePoint deadline);
+
+    void on_frame(const can::Received& received, TimePoint now);
+    void on_message(const caniop::Message& message, TimePoint now);
+    void on_oversize(const caniop::Oversize& message, TimePoint now);
+    void on_malformed(const caniop::Malformed& message, TimePoint received, TimePoint now);
+    void on_group_request(caniop::Identifier from, const giop::Request& request);
+    void on_request(caniop::Identifier from, const giop::Request& request, TimePoint now);
+    void on_reply(NodeId peer, const giop::Reply& reply);
+    void on_message_error(NodeId peer);
+    void on_state(const can::StateChanged& change, TimePoint now);
+    bool is_duplicate(caniop::Identifier from, RequestId id);
+    void fail_calls(std::optional<NodeId> peer, const SystemError& error);
+    void collect_finished();
+    void notify(Notice notice);
+
+    EngineOptions options_;
+    Counters counters_;
+    BufferPool buffers_;
+    poa::ObjectAdapter adapter_;
+    mca::MulticastAgent agent_;
+    caniop::Reassembler reassembler_;
+    caniop::TransmitQueue queue_;
+    OutstandingCalls calls_;
+    Fifo<IncomingRequest> incoming_;
+    Fifo<Notice> notices_;
+    RequestId next_request_id_;
+    bool filters_changed_ = true;
+    bool link_down_ = false;
+    /// The request id seen last on each CAN identifier.
+    std::vector<std::optional<RequestId>> last_request_ids_;
+    std::array<std::optional<TimePoint>, NodeId::highest + std::size_t{1}> last_message_error_{};
+    std::optional<TimePoint> last_duplicate_notice_;
+};
+
+}  // namespace canorb::core

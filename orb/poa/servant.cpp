@@ -1,0 +1,52 @@
+#include "orb/poa/servant.hpp"
+
+#include <string>
+
+namespace canorb::poa {
+
+void ServerCall::begin(Outcome outcome) {
+    outcome_ = outcome;
+    out_ = ccdr::Encoder{reply_buffer_};
+}
+
+void ServerCall::end() {
+    switch (out_.error()) {
+        case ccdr::EncodeError::none:
+            return;
+        case ccdr::EncodeError::buffer_full:
+            return fail({SystemErrorKind::imp_limit, Completion::yes});
+        case ccdr::EncodeError::bad_value:
+            return fail({SystemErrorKind::bad_param, Completion::yes});
+    }
+}
+
+void ServerCall::fail(const SystemError& error) {
+    begin(Outcome::system_exception);
+    error_ = error;
+}
+
+void dispatch(Servant& servant, ServerCall& call) {
+    switch (call.operation()) {
+        case is_a_operation: {
+            std::string id;
+            if (!call.read(id)) return;
+            call.reply(id == corba_object_id || servant._interface_info().is_a(id));
+            return;
+        }
+        case non_existent_operation:
+            if (call.read()) call.reply(false);
+            return;
+        case interface_operation:
+            if (call.read()) call.reply(servant._interface_info().repository_id);
+            return;
+        default:
+            break;
+    }
+    // What lies above belongs to the ORB, whatever a servant makes of it.
+    if (call.operation() <= highest_user_operation) servant._dispatch(call);
+    if (call.outcome() == ServerCall::Outcome::none && !call.is_oneway()) {
+        call.fail({SystemErrorKind::bad_operation, Completion::no});
+    }
+}
+
+}  // namespace canorb::poa
