@@ -1,0 +1,102 @@
+#include "orb/can/link/address.hpp"
+
+#include <sys/un.h>
+
+#include <cctype>
+#include <charconv>
+
+#include "orb/can/link/link.hpp"
+#include "orb/can/sim/frame_bus.hpp"
+
+namespace canorb::can {
+namespace {
+
+constexpr std::string_view local_scheme = "local:";
+constexpr std::string_view sim_scheme = "sim:";
+constexpr std::string_view socketcan_scheme = "socketcan:";
+constexpr std::string_view bitrate_option = "bitrate=";
+constexpr std::size_t longest_interface_name = 15;  // IFNAMSIZ - 1
+constexpr std::size_t longest_socket_path = sizeof(sockaddr_un{}.sun_path) - 1;
+
+std::string quoted(std::string_view text) {
+    return "\"" + std::string{text} + "\"";
+}
+
+Result<BusAddress, std::string> parse_local(std::string_view rest) {
+    LocalAddress address;
+    const std::size_t mark = rest.find('?');
+    address.name = std::string{rest.substr(0, mark)};
+    if (address.name.empty()) {
+        return Failure{std::string{"local: needs a name for the bus, for example local:test"}};
+    }
+    if (mark != std::string_view::npos) {
+        const std::string_view option = rest.substr(mark + 1);
+        if (!option.starts_with(bitrate_option)) {
+            return Failure{"local: has no option " + quoted(option) +
+                           "; it knows bitrate=BITS_PER_SECOND"};
+        }
+        const auto bitrate = parse_bitrate(option.substr(bitrate_option.size()));
+        if (!bitrate) return Failure{bitrate.error()};
+        address.bitrate = *bitrate;
+    }
+    return BusAddress{address};
+}
+
+Result<BusAddress, std::string> parse_sim(std::string_view path) {
+    if (path.empty()) {
+        return Failure{"sim: needs the path of the bus's socket, for example " +
+                       std::string{default_bus_address()}};
+    }
+    if (path.size() > longest_socket_path) {
+        return Failure{
+            "the path in sim:" + std::string{path} + " has " + std::to_string(path.size()) +
+            " characters; a Unix socket's path has at most " + std::to_string(longest_socket_path)};
+    }
+    if (path.find('\0') != std::string_view::npos) {
+        return Failure{std::string{"the path after sim: contains a NUL character"}};
+    }
+    return BusAddress{SimAddress{std::string{path}}};
+}
+
+Result<BusAddress, std::string> parse_socketcan(std::string_view interface) {
+    bool valid = !interface.empty() && interface.size() <= longest_interface_name &&
+                 interface != "." && interface != "..";
+    for (const char c : interface) {
+        const auto octet = static_cast<unsigned char>(c);
+        if (c == '/' || c == ':' || std::isgraph(octet) == 0) valid = false;
+    }
+    if (!valid) {
+        return Failure{quoted(interface) + " is not the name of a network interface: socketcan: " +
+                       "takes 1 to " + std::to_string(longest_interface_name) +
+                       " characters without blanks, '/' and ':', for example socketcan:can0"};
+    }
+    return BusAddress{SocketCanAddress{std::string{interface}}};
+}
+
+}  // namespace
+
+Result<std::uint32_t, std::string> parse_bitrate(std::string_view text) {
+    std::uint32_t value = 0;
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    if (error != std::errc{} || stop != end || value < sim::FrameBus::lowest_bitrate ||
+        value > sim::FrameBus::highest_bitrate) {
+        return Failure{quoted(text) + " is not a bit rate: a number from " +
+                       std::to_string(sim::FrameBus::lowest_bitrate) + " to " +
+                       std::to_string(sim::FrameBus::highest_bitrate) + " (bit/s)"};
+    }
+    return value;
+}
+
+Result<BusAddress, std::string> parse_bus_address(std::string_view address) {
+    if (address.starts_with(local_scheme)) return parse_local(address.substr(local_scheme.size()));
+    if (address.starts_with(sim_scheme)) return parse_sim(address.substr(sim_scheme.size()));
+    if (address.starts_with(socketcan_scheme)) {
+        return parse_socketcan(address.substr(socketcan_scheme.size()));
+    }
+    return Failure{quoted(address) +
+                   " is not a bus address: it begins with none of local:NAME, sim:PATH, "
+                   "socketcan:IFNAME"};
+}
+
+}  // namespace canorb::can

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "orb/base/result.hpp"
+
+namespace canorb::can {
+
+/// `local:NAME[?bitrate=N]`
+struct LocalAddress {
+    std::string name;
+    std::optional<std::uint32_t> bitrate;
+};
+
+/// `sim:PATH`
+struct SimAddress {
+    std::string path;
+};
+
+/// `socketcan:IFNAME`
+struct SocketCanAddress {
+    std::string interface;
+};
+
+using BusAddress = std::variant<LocalAddress, SimAddress, SocketCanAddress>;
+
+/// The error is a sentence for people.
+Result<BusAddress, std::string> parse_bus_address(std::string_view address);
+
+/// A bit rate that the simulated bus has, in decimal; the error is a sentence for people.
+Result<std::uint32_t, std::string> parse_bitrate(std::string_view text);
+
+}  // namespace canorb::can

@@ -1,0 +1,400 @@
+#include "orb/can/link/bus_server.hpp"
+
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <time.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "orb/can/link/link.hpp"
+#include "orb/can/link/sharp_timers.hpp"
+#include "orb/can/link/sim_socket.hpp"
+#include "orb/can/sim/protocol.hpp"
+
+namespace canorb::can {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr Duration longest_stall = 100ms;
+/// Without descriptors left for new clients, the time until the next try.
+constexpr Duration accept_pause = 1s;
+/// More than a well-behaved client has to say at once; a flooding one waits for its next turn.
+constexpr int packets_per_turn = 64;
+
+struct Client {
+    Descriptor socket;
+    std::string name;
+    std::optional<sim::NodeIndex> node;  ///< once its hello was accepted
+    /// Taken from the bus, but the socket was full.
+    std::optional<ControllerEvent> held;
+    bool ready = true;  ///< its socket may have something to read
+    bool writable_awaited = false;
+    bool lagging = false;  ///< an unpaced bus waited for it in vain, and does not again
+    bool gone = false;
+};
+
+/// What identifies a file, to remove only the socket that is ours.
+struct FileIdentity {
+    dev_t device = 0;
+    ino_t inode = 0;
+    friend bool operator==(const FileIdentity&, const FileIdentity&) = default;
+};
+
+std::optional<FileIdentity> identity(const std::string& path) {
+    struct stat status{};
+    if (::lstat(path.c_str(), &status) != 0) return std::nullopt;
+    return FileIdentity{status.st_dev, status.st_ino};
+}
+
+sim::ServerPacket to_packet(const ControllerEvent& event) {
+    return std::visit([](const auto& form) { return sim::ServerPacket{form}; }, event);
+}
+
+std::string process_of(const Descriptor& socket) {
+    ucred credentials{};
+    socklen_t size = sizeof credentials;
+    if (::getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &credentials, &size) != 0) return "?";
+    return std::to_string(credentials.pid);
+}
+
+/// Makes way for a new daemon's socket. The error is a sentence.
+std::optional<std::string> remove_stale_socket(const std::string& path) {
+    struct stat status{};
+    if (::lstat(path.c_str(), &status) != 0) return std::nullopt;  // nothing there
+    if (!S_ISSOCK(status.st_mode)) return path + " exists and is not a socket";
+    const auto connection = connect_to_bus(path);
+    if (connection || connection.error() != ECONNREFUSED) {
+        if (connection || connection.error() == EAGAIN || connection.error() == EPROTOTYPE) {
+            return "a bus is already running at sim:" + path;
+        }
+        return "cannot tell whether a bus is running at sim:" + path + ": " +
+               error_text(connection.error());
+    }
+    if (::unlink(path.c_str()) != 0 && errno != ENOENT) {
+        return "cannot remove the old socket " + path + ": " + error_text(errno);
+    }
+    return std::nullopt;
+}
+
+}  // namespace
+
+class BusServer::Server {
+  public:
+    Server(BusServerOptions options, Descriptor listener)
+        : options_(std::move(options)),
+          listener_(std::move(listener)),
+          socket_file_(identity(options_.path)),
+          bus_(options_.bitrate, monotonic_now()) {
+        if (options_.trace) bus_.set_trace(options_.trace);
+    }
+
+    ~Server() {
+        if (socket_file_ && identity(options_.path) == socket_file_) {
+            ::unlink(options_.path.c_str());
+        }
+    }
+    Server(const Server&) = delete;
+    Server& operator=(const Server&) = delete;
+
+    bool is_open() const { return stop_.is_open(); }
+    void stop() const { stop_.raise(); }
+
+    std::string run() {
+        use_sharp_timers();
+        while (true) {
+            if (const int error = wait(); error != 0) {
+                return "waiting for clients failed: " + error_text(error);
+            }
+            if (stop_requested()) return {};
+            if (options_.paced) bus_.advance(monotonic_now());
+            // Every waiting frame is on the bus before the next arbitration.
+            if ((descriptors_[listener_at].revents & POLLIN) != 0) accept_clients();
+            for (auto& client : clients_) {
+                if (client->ready) read_from(*client);
+            }
+            if (!options_.paced && !stalled()) bus_.advance_one();
+            for (auto& client : clients_) write_to(*client);
+            remove_gone();
+        }
+    }
+
+  private:
+    static constexpr std::size_t stop_at = 0;
+    static constexpr std::size_t listener_at = 1;
+    static constexpr std::size_t first_client_at = 2;
+
+    void log(const std::string& sentence) const {
+        if (options_.log) options_.log(sentence);
+    }
+
+    /// Returns an errno or 0.
+    int wait() {
+        descriptors_.clear();
+        descriptors_.push_back({stop_.fd(), POLLIN, 0});
+        descriptors_.push_back({listener_.get(), static_cast<short>(accepting_ ? POLLIN : 0), 0});
+        for (const auto& client : clients_) {
+            const int events = client->writable_awaited ? POLLIN | POLLOUT : POLLIN;
+            descriptors_.push_back({client->socket.get(), static_cast<short>(events), 0});
+        }
+        std::optional<Duration> timeout = time_to_next_step();
+        if (!accepting_) timeout = std::min(timeout.value_or(accept_pause), accept_pause);
+        accepting_ = true;
+        timespec time{};
+        if (timeout) {
+            time.tv_sec = static_cast<time_t>(timeout->count() / 1'000'000'000);
+            time.tv_nsec = static_cast<long>(timeout->count() % 1'000'000'000);
+        }
+        const int ready =
+            ::ppoll(descriptors_.data(), descriptors_.size(), timeout ? &time : nullptr, nullptr);
+        for (std::size_t i = 0; i < clients_.size(); ++i) {
+            clients_[i]->ready = descriptors_[first_client_at + i].revents != 0;
+        }
+        if (ready >= 0) return 0;
+        return errno == EINTR ? 0 : errno;
+    }
+
+    bool stop_requested() const { return (descriptors_[stop_at].revents & POLLIN) != 0; }
+
+    std::optional<Duration> time_to_next_step() const {
+        const TimePoint next = bus_.next_event();
+        if (next == never) return std::nullopt;
+        if (!options_.paced) {
+            if (!stall_ends_) return Duration::zero();
+            return std::max(*stall_ends_ - monotonic_now(), Duration::zero());
+        }
+        return std::max(next - monotonic_now(), Duration::zero());
+    }
+
+    /// Whether an unpaced bus has to wait for a reader, so that it does not lose frames only
+    /// because the bus is faster than any real one.
+    bool stalled() {
+        const auto is_full = [&](const auto& client) {
+            return !client->gone && client->node && !client->lagging &&
+                   bus_.events(*client->node).receive_full();
+        };
+        if (std::none_of(clients_.begin(), clients_.end(), is_full)) {
+            stall_ends_.reset();
+            return false;
+        }
+        const TimePoint now = monotonic_now();
+        if (!stall_ends_) stall_ends_ = now + longest_stall;
+        if (now < *stall_ends_) return true;
+        stall_ends_.reset();
+        for (auto& client : clients_) {
+            if (is_full(client)) client->lagging = true;
+        }
+        return false;
+    }
+
+    void accept_clients() {
+        while (true) {
+            Descriptor socket{
+                ::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK)};
+            if (!socket.is_open()) {
+                if (errno == EINTR || errno == ECONNABORTED) continue;
+                if (errno != EAGAIN) {
+                    log("cannot accept a client: " + error_text(errno));
+                    accepting_ = false;
+                }
+                return;
+            }
+            make_room_for_newcomer();
+            auto client = std::make_unique<Client>();
+            client->socket = std::move(socket);
+            clients_.push_back(std::move(client));
+        }
+    }
+
+    /// Connections that never said hello must not keep others out: the oldest of them goes.
+    void make_room_for_newcomer() {
+        const auto is_silent = [](const auto& client) { return !client->gone && !client->node; };
+        const auto silent = std::count_if(clients_.begin(), clients_.end(), is_silent);
+        if (static_cast<std::size_t>(silent) < options_.max_clients) return;
+        (*std::find_if(clients_.begin(), clients_.end(), is_silent))->gone = true;
+    }
+
+    void read_from(Client& client) {
+        std::array<std::uint8_t, sim::max_packet_size> buffer;
+        for (int i = 0; i < packets_per_turn && !client.gone; ++i) {
+            std::size_t size = 0;
+            switch (receive_packet(client.socket, buffer, size)) {
+                case ReceiveOutcome::nothing:
+                    return;
+                case ReceiveOutcome::gone:
+                    if (client.node) log(title(client) + " disconnected");
+                    client.gone = true;
+                    return;
+                case ReceiveOutcome::packet:
+                    break;
+            }
+            const auto packet = size <= buffer.size()
+                                    ? sim::parse_client_packet(Bytes{buffer.data(), size})
+                                    : std::nullopt;
+            if (!packet) {
+                throw_out(client, "sent a packet that is none of the protocol's");
+                return;
+            }
+            std::visit([&](const auto& request) { obey(client, request); }, *packet);
+        }
+    }
+
+    std::string title(const Client& client) const {
+        return (client.node ? "client \"" + client.name + "\"" : std::string{"a connection"}) +
+               " (process " + process_of(client.socket) + ")";
+    }
+
+    void throw_out(Client& client, const std::string& offence) {
+        log(title(client) + " " + offence + "; disconnected it");
+        client.gone = true;
+    }
+
+    void refuse(Client& client, const std::string& reason) {
+        log("refused a client (process " + process_of(client.socket) + "): " + reason);
+        send_packet(client.socket, sim::encode(sim::Refusal{sim::protocol_version, reason}));
+        client.gone = true;
+    }
+
+    void obey(Client& client, const sim::Hello& hello) {
+        if (client.node) {
+            throw_out(client, "said hello twice");
+            return;
+        }
+        if (hello.version != sim::protocol_version) {
+            refuse(client, "this bus speaks version " + std::to_string(sim::protocol_version) +
+                               " of its protocol, the client version " +
+                               std::to_string(hello.version));
+            return;
+        }
+        const auto admitted = std::count_if(
+            clients_.begin(), clients_.end(),
+            [](const auto& other) { return !other->gone && other->node.has_value(); });
+        if (static_cast<std::size_t>(admitted) >= options_.max_clients) {
+            refuse(client,
+                   "the bus has its " + std::to_string(options_.max_clients) + " clients already");
+            return;
+        }
+        sim::Welcome welcome;
+        welcome.paced = options_.paced;
+        welcome.bitrate = options_.bitrate;
+        welcome.mailboxes = static_cast<std::uint16_t>(options_.controller.mailboxes);
+        welcome.filter_list = static_cast<std::uint16_t>(options_.controller.filter_list);
+        send_packet(client.socket, sim::encode(welcome));
+        if (hello.query) {
+            client.gone = true;
+            return;
+        }
+        client.name = hello.client_name;
+        client.node = bus_.attach(options_.controller);
+        log(title(client) + " connected");
+    }
+
+    void obey(Client& client, const sim::SendRequest& request) {
+        if (!is_admitted(client)) return;
+        const auto error =
+            bus_.submit(*client.node, request.frame, request.handle, request.options);
+        // In bus-off or listen-only mode the client may not know yet that it is.
+        if (error && (*error == SendError::full || !bus_.fail(*client.node, request.handle))) {
+            throw_out(client, "sent more frames than it has mailboxes");
+        }
+    }
+
+    void obey(Client& client, const sim::AbortRequest& request) {
+        if (is_admitted(client)) bus_.abort(*client.node, request.handle);
+    }
+
+    void obey(Client& client, const sim::FilterRequest& request) {
+        if (!is_admitted(client)) return;
+        if (!bus_.set_filters(*client.node, request.filters)) {
+            throw_out(client, "set more filters than it was told that it has");
+        }
+    }
+
+    void obey(Client& client, const sim::ListenOnlyRequest& request) {
+        if (is_admitted(client)) bus_.set_listen_only(*client.node, request.on);
+    }
+
+    void obey(Client& client, const sim::RecoverRequest&) {
+        if (is_admitted(client)) bus_.recover(*client.node);
+    }
+
+    bool is_admitted(Client& client) {
+        if (!client.node) throw_out(client, "did not say hello first");
+        return client.node.has_value();
+    }
+
+    void write_to(Client& client) {
+        if (client.gone || !client.node) return;
+        client.writable_awaited = false;
+        while (true) {
+            if (!client.held) client.held = bus_.poll(*client.node);
+            if (!client.held) {
+                client.lagging = false;
+                return;
+            }
+            switch (send_packet(client.socket, sim::encode(to_packet(*client.held)))) {
+                case SendOutcome::sent:
+                    client.held.reset();
+                    break;
+                case SendOutcome::would_block:
+                    client.writable_awaited = true;
+                    return;
+                case SendOutcome::gone:
+                    log(title(client) + " disconnected");
+                    client.gone = true;
+                    return;
+            }
+        }
+    }
+
+    void remove_gone() {
+        for (auto& client : clients_) {
+            if (client->gone && client->node) bus_.detach(*client->node);
+        }
+        std::erase_if(clients_, [](const auto& client) { return client->gone; });
+    }
+
+    BusServerOptions options_;
+    Descriptor listener_;
+    std::optional<FileIdentity> socket_file_;
+    sim::FrameBus bus_;
+    Signal stop_;
+    std::vector<std::unique_ptr<Client>> clients_;
+    std::vector<pollfd> descriptors_;
+    std::optional<TimePoint> stall_ends_;
+    bool accepting_ = true;
+};
+
+Result<std::unique_ptr<BusServer>, std::string> BusServer::open(BusServerOptions options) {
+    if (const auto error = remove_stale_socket(options.path)) return Failure{*error};
+    auto listener = listen_at(options.path);
+    if (!listener) {
+        return Failure{"cannot listen at sim:" + options.path + ": " +
+                       error_text(listener.error())};
+    }
+    auto server = std::make_unique<Server>(std::move(options), std::move(*listener));
+    if (!server->is_open()) return Failure{std::string{"no more file descriptors"}};
+    return std::unique_ptr<BusServer>{new BusServer{std::move(server)}};
+}
+
+BusServer::BusServer(std::unique_ptr<Server> server) : server_(std::move(server)) {}
+
+BusServer::~BusServer() = default;
+
+std::string BusServer::run() {
+    return server_->run();
+}
+
+void BusServer::stop() {
+    server_->stop();
+}
+
+}  // namespace canorb::can

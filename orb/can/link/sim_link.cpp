@@ -1,0 +1,384 @@
+#include "orb/can/link/sim_link.hpp"
+
+#include <poll.h>
+#include <sys/epoll.h>
+#include <sys/timerfd.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <mutex>
+#include <vector>
+
+#include "orb/can/link/descriptor.hpp"
+#include "orb/can/link/sim_socket.hpp"
+#include "orb/can/sim/event_queue.hpp"
+#include "orb/can/sim/protocol.hpp"
+
+namespace canorb::can {
+namespace {
+
+constexpr int answer_timeout_ms = 5000;
+constexpr long reconnect_interval_ns = 100'000'000;
+
+std::string no_bus(const std::string& path, int error) {
+    return "no bus at sim:" + path + " (" + error_text(error) +
+           "): start one with: canorb-bus --listen sim:" + path;
+}
+
+/// A connection whose hello was answered.
+struct Admission {
+    Descriptor socket;
+    sim::Welcome welcome;
+};
+
+std::optional<sim::ServerPacket> receive_server_packet(const Descriptor& socket,
+                                                       ReceiveOutcome& outcome) {
+    std::array<std::uint8_t, sim::max_packet_size> buffer;
+    std::size_t size = 0;
+    outcome = receive_packet(socket, buffer, size);
+    if (outcome != ReceiveOutcome::packet || size > buffer.size()) return std::nullopt;
+    return sim::parse_server_packet(Bytes{buffer.data(), size});
+}
+
+/// Blocks until the daemon has answered.
+Result<Admission, std::string> ask(const std::string& path, const sim::Hello& hello) {
+    auto socket = connect_to_bus(path);
+    if (!socket) return Failure{no_bus(path, socket.error())};
+    const std::string who = "the bus at sim:" + path;
+    // A daemon that refuses may have closed already: its reason is there to read all the same.
+    send_packet(*socket, sim::encode(hello));
+    pollfd readable{socket->get(), POLLIN, 0};
+    int ready = 0;
+    do {
+        ready = ::poll(&readable, 1, answer_timeout_ms);
+    } while (ready < 0 && errno == EINTR);
+    if (ready <= 0) return Failure{who + " does not answer"};
+    ReceiveOutcome outcome{};
+    const auto answer = receive_server_packet(*socket, outcome);
+    if (outcome != ReceiveOutcome::packet) return Failure{who + " closed the connection"};
+    if (answer) {
+        if (const auto* refusal = std::get_if<sim::Refusal>(&*answer)) {
+            return Failure{who + " refused: " + refusal->reason};
+        }
+        if (const auto* welcome = std::get_if<sim::Welcome>(&*answer)) {
+            return Admission{std::move(*socket), *welcome};
+        }
+    }
+    return Failure{who + " answered with something that is no welcome"};
+}
+
+/// Invariants, all under the mutex:
+/// * The epoll descriptor, which is what users wait for, holds the socket while there is one, the
+///   timer, and the signal, which is raised while `own_events_` has any.
+/// * `transmissions_` has each send() until poll() returned its result.
+class SimController final : public Controller {
+  public:
+    SimController(SimAddress address, std::string name, Admission admission)
+        : path_(std::move(address.path)),
+          name_(std::move(name)),
+          own_events_(0),
+          epoll_(::epoll_create1(EPOLL_CLOEXEC)),
+          timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
+        if (!is_open()) return;
+        watch(own_signal_.fd());
+        watch(timer_.get());
+        take_socket(std::move(admission.socket));
+        enter(admission.welcome);
+        own_events_.pop();  // the news that it is up is for reconnections
+        own_signal_.clear();
+    }
+
+    bool is_open() const { return epoll_.is_open() && timer_.is_open() && own_signal_.is_open(); }
+
+    Capabilities capabilities() const override {
+        const std::lock_guard lock{mutex_};
+        return capabilities_;
+    }
+
+    [[nodiscard]] SendResult send(const Frame& frame, SendOptions options) override {
+        const std::lock_guard lock{mutex_};
+        if (frame.fd || frame.error || frame.length > Frame::max_classic_payload ||
+            frame.id > (frame.extended ? 0x1FFFFFFFU : 0x7FFU) || listen_only_) {
+            return SendError::unsupported;
+        }
+        if (status_.state == ControllerState::stopped) return SendError::stopped;
+        if (status_.state == ControllerState::bus_off) return SendError::bus_off;
+        if (transmissions_.size() >= capabilities_.mailboxes || !flush()) return SendError::full;
+        const TransmitHandle handle{next_handle_};
+        switch (send_packet(socket_, sim::encode(sim::SendRequest{handle, options, frame}))) {
+            case SendOutcome::sent:
+                break;
+            case SendOutcome::would_block:
+                return SendError::full;
+            case SendOutcome::gone:
+                return SendError::stopped;  // poll() will find out and tell
+        }
+        ++next_handle_;
+        transmissions_.push_back({handle, false});
+        return handle;
+    }
+
+    void abort(TransmitHandle handle) override {
+        const std::lock_guard lock{mutex_};
+        for (Transmission& transmission : transmissions_) {
+            if (transmission.handle == handle) transmission.abort_unsent = true;
+        }
+        flush();
+    }
+
+    [[nodiscard]] bool set_filters(std::span<const Filter> filters) override {
+        const std::lock_guard lock{mutex_};
+        if (filters.size() > capabilities_.filter_list) return false;
+        filters_.assign(filters.begin(), filters.end());
+        filters_unsent_ = true;
+        flush();
+        return true;
+    }
+
+    [[nodiscard]] bool set_listen_only(bool on) override {
+        const std::lock_guard lock{mutex_};
+        listen_only_ = on;
+        listen_only_unsent_ = true;
+        flush();
+        return true;
+    }
+
+    ErrorStatus error_status() const override {
+        const std::lock_guard lock{mutex_};
+        return status_;
+    }
+
+    void recover() override {
+        const std::lock_guard lock{mutex_};
+        if (status_.state == ControllerState::bus_off) {
+            recover_unsent_ = true;
+            flush();
+        } else if (status_.state == ControllerState::stopped && !reconnecting_) {
+            reconnecting_ = true;
+            set_timer(reconnect_interval_ns);
+            reconnect();
+        }
+    }
+
+    std::optional<ControllerEvent> poll() override {
+        const std::lock_guard lock{mutex_};
+        if (reconnecting_ && timer_expired()) reconnect();
+        flush();
+        while (true) {
+            if (auto event = own_events_.pop()) {
+                if (own_events_.empty()) own_signal_.clear();
+                note(*event);
+                return event;
+            }
+            if (!socket_.is_open()) return std::nullopt;
+            ReceiveOutcome outcome{};
+            const auto packet = receive_server_packet(socket_, outcome);
+            if (outcome == ReceiveOutcome::nothing) return std::nullopt;
+            if (outcome == ReceiveOutcome::gone || !packet) {
+                leave();
+            } else if (auto event = understand(*packet)) {
+                note(*event);
+                return event;
+            }
+        }
+    }
+
+    int event_fd() const override { return epoll_.get(); }
+
+  private:
+    struct Transmission {
+        TransmitHandle handle;
+        bool abort_unsent;
+    };
+
+    void watch(int fd, std::uint32_t events = EPOLLIN) const {
+        epoll_event interest{};
+        interest.events = events;
+        interest.data.fd = fd;
+        ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &interest);
+    }
+
+    void watch_writable(bool on) {
+        if (on == writable_watched_) return;
+        writable_watched_ = on;
+        epoll_event interest{};
+        interest.events = on ? EPOLLIN | EPOLLOUT : EPOLLIN;
+        interest.data.fd = socket_.get();
+        ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, socket_.get(), &interest);
+    }
+
+    void set_timer(long interval_ns) const {
+        itimerspec setting{};
+        setting.it_value.tv_nsec = interval_ns;
+        setting.it_interval.tv_nsec = interval_ns;
+        ::timerfd_settime(timer_.get(), 0, &setting, nullptr);
+    }
+
+    bool timer_expired() const {
+        std::uint64_t expirations = 0;
+        return ::read(timer_.get(), &expirations, sizeof expirations) > 0;
+    }
+
+    void take_socket(Descriptor socket) {
+        socket_ = std::move(socket);
+        writable_watched_ = false;
+        watch(socket_.get());
+    }
+
+    void tell(const StateChanged& change) {
+        own_events_.push(change);
+        own_signal_.raise();
+    }
+
+    /// The daemon made a new controller for this client.
+    void enter(const sim::Welcome& welcome) {
+        capabilities_.mailboxes = welcome.mailboxes;
+        capabilities_.filter_list =
+            std::min<std::size_t>(welcome.filter_list, sim::max_packet_filters);
+        capabilities_.bitrate = welcome.bitrate;
+        capabilities_.one_shot = true;
+        capabilities_.listen_only = true;
+        status_ = ErrorStatus{};
+        set_timer(0);
+        reconnecting_ = false;
+        filters_unsent_ = true;
+        listen_only_unsent_ = true;
+        recover_unsent_ = false;
+        flush();
+        tell(StateChanged{status_, monotonic_now()});
+    }
+
+    /// The daemon is gone, or not to be understood.
+    void leave() {
+        socket_.reset();  // which takes it out of the epoll set
+        if (status_.state == ControllerState::stopped) return;  // it never was up
+        status_ = ErrorStatus{.state = ControllerState::stopped};
+        const TimePoint now = monotonic_now();
+        tell(StateChanged{status_, now});
+        for (const Transmission& transmission : transmissions_) {
+            own_events_.push(TransmitResult{transmission.handle, TransmitOutcome::failed, now});
+        }
+    }
+
+    void reconnect() {
+        if (socket_.is_open()) return;  // the answer is on its way
+        auto socket = connect_to_bus(path_);
+        if (!socket) return;
+        take_socket(std::move(*socket));
+        sim::Hello hello;
+        hello.client_name = name_;
+        if (send_packet(socket_, sim::encode(hello)) != SendOutcome::sent) socket_.reset();
+    }
+
+    std::optional<ControllerEvent> understand(const sim::ServerPacket& packet) {
+        const bool is_up = status_.state != ControllerState::stopped;
+        if (const auto* welcome = std::get_if<sim::Welcome>(&packet)) {
+            if (is_up) {
+                leave();
+            } else {
+                enter(*welcome);
+            }
+            return std::nullopt;
+        }
+        if (!is_up || std::holds_alternative<sim::Refusal>(packet)) {
+            leave();
+            return std::nullopt;
+        }
+        if (const auto* received = std::get_if<Received>(&packet)) return *received;
+        if (const auto* result = std::get_if<TransmitResult>(&packet)) return *result;
+        if (const auto* lost = std::get_if<FramesLost>(&packet)) return *lost;
+        return std::get<StateChanged>(packet);
+    }
+
+    /// An event that poll() is about to return.
+    void note(const ControllerEvent& event) {
+        if (const auto* result = std::get_if<TransmitResult>(&event)) {
+            std::erase_if(transmissions_, [&](const Transmission& transmission) {
+                return transmission.handle == result->handle;
+            });
+        } else if (const auto* change = std::get_if<StateChanged>(&event)) {
+            if (socket_.is_open()) status_ = change->status;
+        }
+    }
+
+    /// Sends what is still to be said to the daemon. False when it has to wait: then the epoll
+    /// descriptor wakes its user when there is room.
+    bool flush() {
+        if (status_.state == ControllerState::stopped) return true;
+        bool sent = true;
+        const auto try_send = [&](bool& unsent, const sim::ClientPacket& packet) {
+            if (!unsent || !sent) return;
+            const SendOutcome outcome = send_packet(socket_, sim::encode(packet));
+            if (outcome == SendOutcome::sent) unsent = false;
+            sent = outcome != SendOutcome::would_block;
+        };
+        if (listen_only_unsent_) {
+            try_send(listen_only_unsent_, sim::ListenOnlyRequest{listen_only_});
+        }
+        if (filters_unsent_) try_send(filters_unsent_, sim::FilterRequest{filters_});
+        if (recover_unsent_) try_send(recover_unsent_, sim::RecoverRequest{});
+        for (Transmission& transmission : transmissions_) {
+            try_send(transmission.abort_unsent, sim::AbortRequest{transmission.handle});
+        }
+        watch_writable(!sent);
+        return sent;
+    }
+
+    const std::string path_;
+    const std::string name_;
+    mutable std::mutex mutex_;
+    Descriptor socket_;
+    Capabilities capabilities_;
+    ErrorStatus status_{.state = ControllerState::stopped};
+    std::vector<Transmission> transmissions_;
+    std::uint64_t next_handle_ = 1;
+    std::vector<Filter> filters_;
+    bool listen_only_ = false;
+    bool filters_unsent_ = false;
+    bool listen_only_unsent_ = false;
+    bool recover_unsent_ = false;
+    bool reconnecting_ = false;
+    bool writable_watched_ = false;
+    /// Events that the daemon did not send.
+    sim::EventQueue own_events_;
+    Signal own_signal_;
+    Descriptor epoll_;
+    Descriptor timer_;
+};
+
+class SimLink final : public Link {
+  public:
+    explicit SimLink(SimAddress address) : address_(std::move(address)) {}
+
+    Result<std::unique_ptr<Controller>, std::string> attach(std::string_view client_name) override {
+        sim::Hello hello;
+        hello.client_name = std::string{client_name.substr(0, sim::max_client_name)};
+        auto admission = ask(address_.path, hello);
+        if (!admission) return Failure{admission.error()};
+        auto controller =
+            std::make_unique<SimController>(address_, hello.client_name, std::move(*admission));
+        if (!controller->is_open()) {
+            return Failure{std::string{"no more file descriptors for a controller"}};
+        }
+        return std::unique_ptr<Controller>{std::move(controller)};
+    }
+
+    TimePoint now() const override { return monotonic_now(); }
+
+  private:
+    SimAddress address_;
+};
+
+}  // namespace
+
+Result<std::unique_ptr<Link>, std::string> open_sim_link(const SimAddress& address) {
+    sim::Hello hello;
+    hello.query = true;
+    const auto admission = ask(address.path, hello);
+    if (!admission) return Failure{admission.error()};
+    return std::unique_ptr<Link>{std::make_unique<SimLink>(address)};
+}
+
+}  // namespace canorb::can
