@@ -377,8 +377,9 @@ Result<std::unique_ptr<BusServer>, std::string> BusServer::open(BusServerOptions
     if (const auto error = remove_stale_socket(options.path)) return Failure{*error};
     auto listener = listen_at(options.path);
     if (!listener) {
-        return Failure{"cannot listen at sim:" + options.path + ": " +
-                       error_text(listener.error())};
+        const std::string why = listener.error() == ENOENT ? "its directory does not exist"
+                                                           : error_text(listener.error());
+        return Failure{"cannot listen at sim:" + options.path + ": " + why};
     }
     auto server = std::make_unique<Server>(std::move(options), std::move(*listener));
     if (!server->is_open()) return Failure{std::string{"no more file descriptors"}};

@@ -76,8 +76,4 @@ ReceiveOutcome receive_packet(const Descriptor& socket, MutableBytes buffer, std
     }
 }
 
-void use_sharp_timers() {
-    ::prctl(PR_SET_TIMERSLACK, 1000UL);
-}
-
 }  // namespace canorb::can
