@@ -108,19 +108,19 @@ TEST(String, LengthsThatLieAreRefused) {
     }
 }
 
-// IDL: SetAttributeValueUL(in string name, in unsigned short channel, in unsigned long value)
+// void SetAttributeValueUL(in string attrName, in unsigned long idxVal, in unsigned long attrValue)
 constexpr std::string_view set_attribute_value_parameters =
     "11"                                // string length, 16 and the NUL
     "6D61785F616363656C65726174696F6E"  // max_acceleration
     "00"
-    "03"   // channel
-    "2A";  // value
+    "03"   // idxVal
+    "2A";  // attrValue
 
 TEST(Parameters, OfTheSizeVectorAreTwentyOctets) {
     std::array<std::uint8_t, 64> buffer{};
     ccdr::Encoder out{buffer};
     encode(out, "max_acceleration"sv);
-    encode(out, std::uint16_t{3});
+    encode(out, std::uint32_t{3});
     encode(out, std::uint32_t{42});
     ASSERT_EQ(out.error(), ccdr::EncodeError::none);
     EXPECT_EQ(out.size(), 20U);
@@ -131,14 +131,14 @@ TEST(Parameters, OfTheSizeVectorAreRead) {
     const auto golden = octets(set_attribute_value_parameters);
     ccdr::Decoder in{golden};
     std::string name;
-    std::uint16_t channel{};
+    std::uint32_t index{};
     std::uint32_t value{};
     decode(in, name);
-    decode(in, channel);
+    decode(in, index);
     decode(in, value);
     EXPECT_TRUE(in.finished());
     EXPECT_EQ(name, "max_acceleration");
-    EXPECT_EQ(channel, 3);
+    EXPECT_EQ(index, 3U);
     EXPECT_EQ(value, 42U);
 }
 
@@ -147,7 +147,7 @@ TEST(Encoder, ABufferThatIsTooSmallIsSaidAndNotOverrun) {
         std::vector<std::uint8_t> buffer(size);
         ccdr::Encoder out{buffer};
         encode(out, "max_acceleration"sv);
-        encode(out, std::uint16_t{3});
+        encode(out, std::uint32_t{3});
         encode(out, std::uint32_t{42});
         EXPECT_EQ(out.error(), ccdr::EncodeError::buffer_full) << size;
         EXPECT_LE(out.size(), size);
