@@ -43,7 +43,7 @@ class ClientCall {
     template <typename... E>
     void invoke() {
         if (perform()) return;
-        (raise_if<E>() || ...);
+        static_cast<void>((raise_if<E>() || ...));
         raise_unknown_user_exception();
     }
 

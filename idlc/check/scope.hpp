@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "idlc/ast.hpp"
+#include "idlc/diagnostics.hpp"
+#include "idlc/model.hpp"
+
+namespace canorb::idlc::check {
+
+class Scope;
+
+/// What a name stands for.
+struct Symbol {
+    enum class Kind : std::uint8_t {
+        module,
+        type,
+        constant,
+        enumerator,
+        exception,
+        operation,  ///< or an attribute
+        other,      ///< a member or a parameter
+    };
+
+    std::string name;  ///< as declared
+    Location where;
+    Kind kind = Kind::other;
+    model::Definition* definition = nullptr;  ///< for an enumerator: its enum
+    std::size_t enumerator = 0;
+    Scope* scope = nullptr;  ///< what its name opens: of modules and interfaces
+};
+
+/// The names of a module, an interface, a struct or a parameter list. IDL compares names without
+/// regard to case, and forbids to use one in another case than it was declared in.
+class Scope {
+  public:
+    enum class Kind : std::uint8_t { module, interface, members };
+
+    Scope(Kind kind, Scope* parent, std::string name)
+        : kind_(kind), parent_(parent), name_(std::move(name)) {}
+
+    Kind kind() const { return kind_; }
+    Scope* parent() const { return parent_; }
+    const std::string& name() const { return name_; }
+    /// Makes the names of an interface's base visible, with all that the base inherits.
+    void add_base(const Scope& base);
+
+    /// Reports and returns null when the name is taken.
+    Symbol* declare(Symbol symbol, Diagnostics& diagnostics);
+
+    /// In this very scope, any case; null when there is none.
+    Symbol* own(std::string_view name);
+    const Symbol* own(std::string_view name) const;
+
+    /// In this scope or in the interfaces it inherits. Two different answers are both given.
+    std::vector<const Symbol*> visible(std::string_view name) const;
+
+    /// Notes that `name` was used here for something declared elsewhere: from then on it cannot be
+    /// declared here with another meaning.
+    void use(const std::string& name, Location where);
+
+  private:
+    Kind kind_;
+    Scope* parent_;
+    std::string name_;
+    std::vector<const Scope*> ancestors_;  ///< direct or not, each once
+    std::map<std::string, Symbol, std::less<>> symbols_;
+    std::map<std::string, Location, std::less<>> used_;
+};
+
+std::string lower_case(std::string_view name);
+
+/// Resolves a scoped name from within `scope`, outwards; null when it fails, which is reported.
+/// `what` says what is looked for, "type".
+const Symbol* resolve(Scope& scope, const ast::ScopedName& name, std::string_view what,
+                      Diagnostics& diagnostics);
+
+}  // namespace canorb::idlc::check

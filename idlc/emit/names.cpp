@@ -1,0 +1,320 @@
+#include "idlc/emit/names.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <limits>
+#include <type_traits>
+
+#include "idlc/emit/text.hpp"
+
+namespace canorb::idlc::emit {
+
+namespace {
+
+using model::TypeKind;
+
+// C++'s keywords, the macros that standard headers define in lower case or that old compilers
+// predefine, and the two namespaces that generated code relies on.
+constexpr std::array reserved = {"alignas",       "alignof",     "and",
+                                 "and_eq",        "asm",         "auto",
+                                 "bitand",        "bitor",       "bool",
+                                 "break",         "case",        "catch",
+                                 "char",          "char16_t",    "char32_t",
+                                 "char8_t",       "class",       "co_await",
+                                 "co_return",     "co_yield",    "compl",
+                                 "concept",       "const",       "const_cast",
+                                 "consteval",     "constexpr",   "constinit",
+                                 "continue",      "decltype",    "default",
+                                 "delete",        "do",          "double",
+                                 "dynamic_cast",  "else",        "enum",
+                                 "explicit",      "export",      "extern",
+                                 "false",         "float",       "for",
+                                 "friend",        "goto",        "if",
+                                 "inline",        "int",         "long",
+                                 "mutable",       "namespace",   "new",
+                                 "noexcept",      "not",         "not_eq",
+                                 "nullptr",       "operator",    "or",
+                                 "or_eq",         "private",     "protected",
+                                 "public",        "register",    "reinterpret_cast",
+                                 "requires",      "return",      "short",
+                                 "signed",        "sizeof",      "static",
+                                 "static_assert", "static_cast", "struct",
+                                 "switch",        "template",    "this",
+                                 "thread_local",  "throw",       "true",
+                                 "try",           "typedef",     "typeid",
+                                 "typename",      "union",       "unsigned",
+                                 "using",         "virtual",     "void",
+                                 "volatile",      "wchar_t",     "while",
+                                 "xor",           "xor_eq",      "assert",
+                                 "errno",         "linux",       "unix",
+                                 "stdin",         "stdout",      "stderr",
+                                 "EOF",           "NULL",        "std",
+                                 "canorb"};
+
+// What a stub inherits from ObjectRef and so finds before the names of its namespace.
+constexpr std::array object_ref_members = {
+    "ObjectRef", "is_nil", "is_group",         "node",  "index", "group", "type_id", "with_timeout",
+    "with_sent", "narrow", "unchecked_narrow", "invoke"};
+
+template <std::size_t N>
+bool contains(const std::array<const char*, N>& words, std::string_view word) {
+    return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+std::string escape(std::string_view name) {
+    return "_cxx_" + std::string{name};
+}
+
+bool is_interface(const model::Definition* definition) {
+    return definition != nullptr && std::holds_alternative<model::Interface>(definition->body);
+}
+
+/// The interface and all that it inherits.
+void collect_lineage(const model::Definition* interface,
+                     std::vector<const model::Definition*>& lineage) {
+    if (std::find(lineage.begin(), lineage.end(), interface) != lineage.end()) return;
+    lineage.push_back(interface);
+    for (const model::Definition* base : std::get<model::Interface>(interface->body).bases) {
+        collect_lineage(base, lineage);
+    }
+}
+
+std::string_view basic_type(TypeKind kind) {
+    switch (kind) {
+        case TypeKind::boolean:
+            return "bool";
+        case TypeKind::character:
+            return "char";
+        case TypeKind::octet:
+        case TypeKind::uint8:
+            return "std::uint8_t";
+        case TypeKind::int8:
+            return "std::int8_t";
+        case TypeKind::int16:
+            return "std::int16_t";
+        case TypeKind::uint16:
+            return "std::uint16_t";
+        case TypeKind::int32:
+            return "std::int32_t";
+        case TypeKind::uint32:
+            return "std::uint32_t";
+        case TypeKind::int64:
+            return "std::int64_t";
+        case TypeKind::uint64:
+            return "std::uint64_t";
+        case TypeKind::float32:
+            return "float";
+        case TypeKind::float64:
+            return "double";
+        case TypeKind::object:
+            return "canorb::ObjectRef";
+        case TypeKind::string:
+            return "std::string";
+        default:
+            return "";
+    }
+}
+
+/// One character inside of a literal that `quote` delimits.
+std::string literal_character(char c, char quote) {
+    if (c == quote || c == '\\') return std::string{'\\', c};
+    if (c >= ' ' && c <= '~') return std::string{c};
+    // Three octal digits: a digit that follows is not taken for one of them.
+    const auto octet = static_cast<unsigned char>(c);
+    return std::string{'\\', static_cast<char>('0' + (octet >> 6)),
+                       static_cast<char>('0' + ((octet >> 3) & 7)),
+                       static_cast<char>('0' + (octet & 7))};
+}
+
+std::string quoted(std::string_view text) {
+    std::string literal{'"'};
+    for (const char c : text) literal += literal_character(c, '"');
+    return literal + '"';
+}
+
+template <typename Float>
+std::string floating(Float value) {
+    std::array<char, 64> buffer{};
+    const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+    std::string text{buffer.data(), end};
+    if (text.find_first_of(".e") == std::string::npos) text += ".0";
+    return std::is_same_v<Float, float> ? text + 'F' : text;
+}
+
+}  // namespace
+
+std::string identifier(std::string_view idl_name) {
+    return contains(reserved, idl_name) ? escape(idl_name) : std::string{idl_name};
+}
+
+Context beside(const model::Definition& definition) {
+    const model::Definition* around = definition.parent;
+    return {is_interface(around) ? Context::Kind::in_stub : Context::Kind::in_namespace, around};
+}
+
+Context in_stub(const model::Definition& interface) {
+    return {Context::Kind::in_stub, &interface};
+}
+
+Context in_servant(const model::Definition& interface) {
+    return {Context::Kind::in_servant, &interface};
+}
+
+Names::Names(const model::Model& model) {
+    for (const auto& definition : model.storage) {
+        const std::string path = this->path(definition.get());
+        declared_.insert(path);
+        const auto* interface = std::get_if<model::Interface>(&definition->body);
+        if (interface == nullptr) continue;
+        for (const model::Operation& operation : interface->operations) {
+            operations_.insert(path + "::" + identifier(operation.name));
+        }
+    }
+}
+
+std::string Names::own(const model::Definition& definition) const {
+    const std::string& name = definition.name;
+    const bool is_module = std::holds_alternative<model::Module>(definition.body);
+    // IDL that belongs to the ORB itself is in its namespace.
+    if (is_module && definition.parent == nullptr && name == "canorb") return name;
+    // The codec's functions must not be hidden by a type.
+    if (name == "encode" || name == "decode") return escape(name);
+    return identifier(name);
+}
+
+std::string Names::path(const model::Definition* definition) const {
+    if (definition == nullptr) return {};
+    return path(definition->parent) + "::" + own(*definition);
+}
+
+std::string Names::lookup(std::string_view name, const Context& context) const {
+    if (std::find(context.hidden.begin(), context.hidden.end(), name) != context.hidden.end()) {
+        return "a parameter or member";
+    }
+    const model::Definition* around = context.around;
+    if (context.kind != Context::Kind::in_namespace) {
+        std::vector<const model::Definition*> lineage;
+        collect_lineage(around, lineage);
+        const bool stub = context.kind == Context::Kind::in_stub;
+        for (const model::Definition* interface : lineage) {
+            const std::string path = this->path(interface);
+            const std::string member = path + "::" + std::string{name};
+            if (operations_.count(member) != 0) return "an operation";
+            if (stub && declared_.count(member) != 0) return member;
+            if (stub && own(*interface) == name) return path;
+        }
+        if (stub && contains(object_ref_members, name)) return "a member of ObjectRef";
+        around = around->parent;
+    }
+    for (;; around = around->parent) {
+        std::string member = path(around) + "::" + std::string{name};
+        if (declared_.count(member) != 0) return member;
+        if (around == nullptr) return {};
+    }
+}
+
+std::string Names::spell(const model::Definition& definition, const Context& context) const {
+    std::string spelled;
+    for (const model::Definition* at = &definition; at != nullptr; at = at->parent) {
+        const std::string name = own(*at);
+        spelled = spelled.empty() ? name : name + "::" + spelled;
+        if (lookup(name, context) == path(at)) return spelled;
+    }
+    return "::" + spelled;
+}
+
+std::string Names::type(const model::Type& type, const Context& context) const {
+    const std::string bound = std::to_string(type.bound);
+    switch (type.kind) {
+        case TypeKind::named:
+            return spell(*type.definition, context);
+        case TypeKind::array:
+            return "std::array<" + this->type(*type.element, context) + ", " + bound + '>';
+        case TypeKind::sequence:
+            if (model::is_inline(type)) {
+                return "canorb::BoundedVector<" + this->type(*type.element, context) + ", " +
+                       bound + '>';
+            }
+            return "std::vector<" + this->type(*type.element, context) + '>';
+        case TypeKind::string:
+            if (model::is_inline(type)) return "canorb::BoundedString<" + bound + '>';
+            break;
+        default:
+            break;
+    }
+    return std::string{basic_type(type.kind)};
+}
+
+std::string Names::parameter(const model::Parameter& parameter, const Context& context) const {
+    std::string type = this->type(parameter.type, context);
+    if (parameter.direction != model::Direction::in) {
+        type += '&';
+    } else if (!model::is_scalar(parameter.type)) {
+        type = "const " + type + '&';
+    }
+    return type + ' ' + identifier(parameter.name);
+}
+
+std::string Names::value(const model::Constant& constant, const Context& context) const {
+    const model::Type& type = model::resolved(constant.type);
+    return std::visit(
+        [&](const auto& value) -> std::string {
+            using T = std::decay_t<decltype(value)>;
+            if constexpr (std::is_same_v<T, bool>) {
+                return value ? "true" : "false";
+            } else if constexpr (std::is_same_v<T, char>) {
+                return '\'' + literal_character(value, '\'') + '\'';
+            } else if constexpr (std::is_same_v<T, std::string>) {
+                return quoted(value);
+            } else if constexpr (std::is_same_v<T, double>) {
+                return type.kind == TypeKind::float32 ? floating(static_cast<float>(value))
+                                                      : floating(value);
+            } else if constexpr (std::is_same_v<T, model::EnumeratorValue>) {
+                const auto& body = std::get<model::Enum>(value.enumeration->body);
+                return spell(*value.enumeration, context) +
+                       "::" + identifier(body.enumerators[value.index].name);
+            } else if constexpr (std::is_same_v<T, std::int64_t>) {
+                // There is no literal for the lowest, only for one more.
+                if (value == std::numeric_limits<std::int64_t>::min()) {
+                    return std::to_string(value + 1) + " - 1";
+                }
+                return std::to_string(value);
+            } else {
+                const bool wide = value > std::numeric_limits<std::uint32_t>::max() / 2;
+                return std::to_string(value) + (wide ? "U" : "");
+            }
+        },
+        constant.value);
+}
+
+std::string coded(const model::Type& type, std::string_view value) {
+    std::vector<std::string> bounds;
+    std::size_t needed = 0;
+    const model::Type* at = &model::resolved(type);
+    while (at != nullptr && !model::is_inline(*at)) {
+        // An array has no bound of its own: its size is part of its type.
+        if (at->kind == TypeKind::string || at->kind == TypeKind::sequence) {
+            bounds.push_back(std::to_string(at->bound));
+            if (at->bound != 0) needed = bounds.size();
+        }
+        at = at->element != nullptr ? &model::resolved(*at->element) : nullptr;
+    }
+    if (needed == 0) return std::string{value};
+    bounds.resize(needed);
+    return "canorb::ccdr::bounded<" + join(bounds, ", ") + ">(" + std::string{value} + ')';
+}
+
+std::string place(const model::Provenance& provenance) {
+    const std::size_t slash = provenance.file.rfind('/');
+    return provenance.file.substr(slash == std::string::npos ? 0 : slash + 1) + ':' +
+           std::to_string(provenance.line);
+}
+
+std::string comment(const std::vector<std::string>& lines) {
+    std::string text;
+    for (const std::string& line : lines) text += line + '\n';
+    return text;
+}
+
+}  // namespace canorb::idlc::emit

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "idlc/model.hpp"
+
+namespace canorb::idlc::emit {
+
+/// An IDL identifier as C++ can have it: `class` becomes `_cxx_class`.
+std::string identifier(std::string_view idl_name);
+
+/// Where in C++ a name is written; it decides how much of the name must be written.
+struct Context {
+    enum class Kind { in_namespace, in_stub, in_servant };
+
+    Kind kind = Kind::in_namespace;
+    /// The module around, or the interface whose stub or servant class it is in; null: none.
+    const model::Definition* around = nullptr;
+    /// Parameters and members that would be found first.
+    std::vector<std::string> hidden{};
+};
+
+/// The context of what stands beside the definition.
+Context beside(const model::Definition& definition);
+Context in_stub(const model::Definition& interface);
+Context in_servant(const model::Definition& interface);
+
+/// Spells names and types in C++: as short as they are found where they are written.
+class Names {
+  public:
+    explicit Names(const model::Model& model);
+
+    /// The definition's own name, unqualified.
+    std::string own(const model::Definition& definition) const;
+    std::string spell(const model::Definition& definition, const Context& context) const;
+    std::string type(const model::Type& type, const Context& context) const;
+    /// As a parameter: by value what is a scalar, else by reference.
+    std::string parameter(const model::Parameter& parameter, const Context& context) const;
+    std::string value(const model::Constant& constant, const Context& context) const;
+
+  private:
+    std::string path(const model::Definition* definition) const;
+    /// The path of what C++ finds for an unqualified name.
+    std::string lookup(std::string_view name, const Context& context) const;
+
+    std::set<std::string, std::less<>> declared_;
+    std::set<std::string, std::less<>> operations_;
+};
+
+/// How `value` of the type is passed to the codec: as it is, or with the bounds that its C++ type
+/// does not have.
+std::string coded(const model::Type& type, std::string_view value);
+
+/// "devices.idl:12".
+std::string place(const model::Provenance& provenance);
+
+/// The comment lines, each ended.
+std::string comment(const std::vector<std::string>& lines);
+
+}  // namespace canorb::idlc::emit
