@@ -1,0 +1,682 @@
+#include "orb/runtime/orb_impl.hpp"
+
+#include <poll.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <random>
+
+#include "orb/giop/message.hpp"
+#include "orb/poa/servant.hpp"
+
+namespace canorb::runtime {
+namespace {
+
+constexpr std::size_t max_name = 16;
+
+/// Events from the controller between two looks at the clock.
+constexpr int max_events_in_a_row = 256;
+
+/// Servant calls and callbacks that one poll() runs at most.
+constexpr std::size_t max_polled = 256;
+
+OrbOptions checked(OrbOptions options) {
+    if (options.node && !NodeId::from(*options.node)) {
+        throw BAD_PARAM("node " + std::to_string(*options.node) + " is not 0 to 30");
+    }
+    if (options.name.size() > max_name) {
+        throw BAD_PARAM("the node's name '" + options.name + "' is longer than 16 characters");
+    }
+    if (options.name.empty()) {
+        options.name = options.node ? "node-" + std::to_string(*options.node) : "node";
+    }
+    if (options.default_timeout <= Duration::zero()) {
+        throw BAD_PARAM("default_timeout must be greater than 0");
+    }
+    if (options.max_message < giop::request_header_size ||
+        options.max_message > giop::max_message) {
+        throw BAD_PARAM("max_message must be 8 to 65538 octets");
+    }
+    if (options.max_queued_messages == 0 || options.max_outstanding_calls == 0 ||
+        options.frames_in_controller == 0) {
+        throw BAD_PARAM(
+            "max_queued_messages, max_outstanding_calls and frames_in_controller must not be 0");
+    }
+    if (options.inter_frame_timeout <= Duration::zero() ||
+        options.continuation_gap < Duration::zero() ||
+        options.continuation_gap >= options.inter_frame_timeout / 2) {
+        throw BAD_PARAM("continuation_gap must be less than half of inter_frame_timeout");
+    }
+    if (!options.log) {
+        options.log = [](std::string_view line) {
+            std::fprintf(stderr, "%.*s\n", static_cast<int>(line.size()), line.data());
+        };
+    }
+    return options;
+}
+
+core::EngineOptions engine_options(const OrbOptions& options) {
+    core::EngineOptions engine;
+    if (options.node) engine.node = NodeId::from(*options.node);
+    engine.answer_lifetime = options.default_timeout;
+    engine.max_outstanding_calls = options.max_outstanding_calls;
+    engine.receive.max_message = options.max_message;
+    engine.receive.inter_frame_timeout = options.inter_frame_timeout;
+    engine.transmit.max_messages = options.max_queued_messages;
+    engine.transmit.frames_in_controller = options.frames_in_controller;
+    engine.transmit.inter_frame_timeout = options.inter_frame_timeout;
+    engine.transmit.continuation_gap = options.continuation_gap;
+    engine.first_request_id = static_cast<RequestId>(std::random_device{}());
+    return engine;
+}
+
+GroupId checked(GroupId group) {
+    if (!group.is_valid()) {
+        throw BAD_PARAM("group " + std::to_string(group.value()) + " is not 1 to 31");
+    }
+    return group;
+}
+
+}  // namespace
+
+OrbImpl::OrbImpl(Bus& bus, OrbOptions options)
+    : bus_(bus),
+      options_(checked(std::move(options))),
+      controller_(bus.attach(options_.name)),
+      engine_(engine_options(options_)) {
+    const can::ErrorStatus status = controller_->error_status();
+    if (status.state != can::ControllerState::error_active) {
+        engine_.on_event(can::StateChanged{status, now()}, now());
+    }
+    if (Simulation* simulation = bus_.simulation()) simulation->impl().add(*this);
+    Lock lock{mutex_};
+    transmit(now());  // installs the filters
+}
+
+OrbImpl::~OrbImpl() = default;
+
+void OrbImpl::close() {
+    Lock lock{mutex_};
+    if (bus_.simulation() == nullptr) {
+        // Nothing is served any more: the servants may be gone already.
+        wait(lock, Role::closing, now() + options_.default_timeout,
+             [&] { return engine_.queued_messages() == 0; });
+    }
+    closed_ = true;
+    shutdown();
+    changed_.notify_all();
+    changed_.wait(lock, [&] { return waiting_ == 0; });
+    if (Simulation* simulation = bus_.simulation()) simulation->impl().remove(*this);
+    // References may keep this object alive, but nothing on the bus may.
+    const std::unique_ptr<can::Controller> gone = std::move(controller_);
+}
+
+// ---- waiting
+
+template <typename Done>
+bool OrbImpl::wait(Lock& lock, Role role, TimePoint deadline, Done done) {
+    if (Simulation* simulation = bus_.simulation()) {
+        lock.unlock();
+        const bool ok = simulation->run_until(
+            [&] {
+                const Lock again{mutex_};
+                return done();
+            },
+            deadline);
+        lock.lock();
+        return ok;
+    }
+    ++waiting_;
+    if (role == Role::loop) ++loops_;
+    bool is_done = false;
+    for (;;) {
+        const TimePoint time = now();
+        exchange(time, may_run(role));
+        is_done = done();
+        if (is_done || closed_ || time >= deadline) break;
+        if (too_deep()) refuse_nested(time);
+        if (may_run(role) && run_one(lock)) continue;
+        const TimePoint until = std::min(deadline, wakeup(role));
+        if (!leading_) {
+            lead(lock, until);
+        } else if (until == never) {
+            changed_.wait(lock);
+        } else {
+            changed_.wait_for(lock, until - time);
+        }
+    }
+    --waiting_;
+    if (role == Role::loop) --loops_;
+    // Somebody else must lead now, and what this thread left is perhaps theirs to run.
+    changed_.notify_all();
+    return is_done;
+}
+
+void OrbImpl::lead(Lock& lock, TimePoint until) {
+    const TimePoint time = now();
+    timespec timeout{};
+    if (until != never && until > time) {
+        const auto nanoseconds = (until - time).count();
+        timeout.tv_sec = static_cast<time_t>(nanoseconds / 1'000'000'000);
+        timeout.tv_nsec = static_cast<long>(nanoseconds % 1'000'000'000);
+    }
+    pollfd sources[] = {{wake_signal_.fd(), POLLIN, 0}, {controller_->event_fd(), POLLIN, 0}};
+    leading_ = true;
+    lock.unlock();
+    ::ppoll(sources, 2, until == never ? nullptr : &timeout, nullptr);
+    lock.lock();
+    leading_ = false;
+    wake_signal_.clear();
+    changed_.notify_all();
+}
+
+void OrbImpl::wake() {
+    if (leading_) wake_signal_.raise();
+    if (waiting_ > 0) changed_.notify_all();
+}
+
+bool OrbImpl::may_run(Role role) const {
+    if (role == Role::closing) return false;
+    if (depth_ > 0) return serving_thread_ == std::this_thread::get_id() && depth_ < max_nesting;
+    return role == Role::loop || loops_ == 0;
+}
+
+bool OrbImpl::too_deep() const {
+    return depth_ >= max_nesting && serving_thread_ == std::this_thread::get_id();
+}
+
+TimePoint OrbImpl::wakeup(Role role) const {
+    const TimePoint engine = engine_.next_deadline();
+    return may_run(role) ? std::min(engine, timers_.next()) : engine;
+}
+
+void OrbImpl::exchange(TimePoint now, bool serving) {
+    for (int i = 0; i < max_events_in_a_row; ++i) {
+        // Requests are served as they come, so that a burst of them waits in the controller's
+        // receive queue and not in ours.
+        if (serving && engine_.has_request()) break;
+        const auto event = controller_->poll();
+        if (!event) break;
+        engine_.on_event(*event, now);
+    }
+    engine_.on_time(now);
+    transmit(now);
+}
+
+void OrbImpl::transmit(TimePoint now) {
+    if (const auto filters = engine_.take_filters(controller_->capabilities())) {
+        if (!controller_->set_filters(filters->span())) {
+            options_.log(options_.name + ": the controller has no room for " +
+                         std::to_string(filters->size()) + " acceptance filters");
+        }
+    }
+    while (const auto frame = engine_.next_abort()) controller_->abort(*frame);
+    while (const auto frame = engine_.next_frame(now)) {
+        const can::SendResult result = controller_->send(*frame);
+        const auto* handle = std::get_if<can::TransmitHandle>(&result);
+        if (handle == nullptr) break;  // full, or an event about the link's state is on its way
+        engine_.handed_over(*handle);
+    }
+}
+
+void OrbImpl::refuse_nested(TimePoint now) {
+    while (auto request = engine_.next_request()) {
+        engine_.count(Counter::requests_refused);
+        engine_.refuse(request->answer_to, {SystemErrorKind::transient, Completion::no}, now);
+        engine_.buffers().release(std::move(request->parameters));
+    }
+}
+
+// ---- user code
+
+bool OrbImpl::run_one(Lock& lock) {
+    if (!own_events_.empty()) {
+        Event event = std::move(own_events_.front());
+        own_events_.erase(own_events_.begin());
+        report(lock, std::move(event));
+        return true;
+    }
+    if (!sent_locally_.empty()) {
+        const SentCallback callback = std::move(sent_locally_.front());
+        sent_locally_.erase(sent_locally_.begin());
+        run_user_code(lock, "a with_sent callback", callback);
+        return true;
+    }
+    if (const auto notice = engine_.next_notice()) {
+        handle(lock, *notice);
+        return true;
+    }
+    if (auto request = engine_.next_request()) {
+        serve(lock, std::move(*request));
+        return true;
+    }
+    if (bus_.simulation() != nullptr) return false;  // it runs timers itself, in its order
+    if (const auto callback = timers_.take_due(now())) {
+        run_user_code(lock, "a timer", *callback);
+        return true;
+    }
+    return false;
+}
+
+void OrbImpl::run_user_code(Lock& lock, const char* what, const std::function<void()>& code) {
+    serving_thread_ = std::this_thread::get_id();
+    ++depth_;
+    lock.unlock();
+    std::string failure;
+    try {
+        code();
+    } catch (const std::exception& exception) {
+        failure = std::string{what} + " raised " + exception.what();
+    } catch (...) {
+        failure = std::string{what} + " raised an unknown exception";
+    }
+    lock.lock();
+    --depth_;
+    if (!failure.empty()) {
+        own_events_.push_back({Event::Kind::servant_exception, now(), std::move(failure)});
+    }
+    if (depth_ == 0) changed_.notify_all();
+}
+
+void OrbImpl::serve(Lock& lock, core::IncomingRequest request) {
+    if (request.group) {
+        serve_group(lock, request);
+    } else {
+        serve_object(lock, request);
+    }
+    engine_.buffers().release(std::move(request.parameters));
+    transmit(now());
+}
+
+void OrbImpl::call_servant(Lock& lock, Servant& servant, ServerCall& call) {
+    engine_.count(Counter::requests_dispatched);
+    run_user_code(lock, "a servant", [&] {
+        try {
+            poa::dispatch(servant, call);
+        } catch (const SystemException& exception) {
+            call.fail(exception.error());
+        } catch (...) {
+            call.fail({SystemErrorKind::unknown, Completion::maybe});
+            throw;  // for the log: the caller learns no more than UNKNOWN
+        }
+    });
+    const bool failed = call.outcome() == ServerCall::Outcome::system_exception ||
+                        call.outcome() == ServerCall::Outcome::user_exception;
+    if (failed && call.is_oneway()) engine_.count(Counter::group_requests_failed);
+}
+
+void OrbImpl::serve_object(Lock& lock, const core::IncomingRequest& request) {
+    Servant* servant = engine_.adapter().find(request.object);
+    if (servant == nullptr) {
+        engine_.count(Counter::requests_refused);
+        engine_.refuse(request.answer_to, {SystemErrorKind::object_not_exist, Completion::no},
+                       now());
+        return;
+    }
+    core::Buffer buffer = message_buffers_.take();
+    const MutableBytes message{buffer};
+    ServerCall call{request.operation, ccdr::Decoder{request.parameters, &owner_},
+                    message.subspan(giop::reply_header_size)};
+    call_servant(lock, *servant, call);
+    if (!call.is_oneway()) {
+        if (call.outcome() == ServerCall::Outcome::system_exception) {
+            engine_.refuse(request.answer_to, call.system_error(), now());
+        } else {
+            const auto status = call.outcome() == ServerCall::Outcome::user_exception
+                                    ? giop::ReplyStatus::user_exception
+                                    : giop::ReplyStatus::no_exception;
+            engine_.answer(request.answer_to, status,
+                           message.first(giop::reply_header_size + call.body().size()), now());
+        }
+    }
+    message_buffers_.give_back(std::move(buffer));
+}
+
+void OrbImpl::serve_group(Lock& lock, const core::IncomingRequest& request) {
+    core::Buffer buffer = message_buffers_.take();
+    // A copy: a servant may leave, or make another one leave, while this runs.
+    const auto current = engine_.agent().members(*request.group);
+    const std::vector<mca::Member> members{current.begin(), current.end()};
+    for (const mca::Member& member : members) {
+        Servant* servant = engine_.adapter().find(member.index);
+        if (servant == nullptr || !engine_.agent().is_member(*request.group, member.index))
+            continue;
+        if (request.interface_key != 0 && !member.interface->has_group_key(request.interface_key)) {
+            engine_.count(Counter::group_interface_mismatches);
+            continue;
+        }
+        ServerCall call{request.operation, ccdr::Decoder{request.parameters, &owner_}, buffer};
+        call.oneway();
+        call_servant(lock, *servant, call);
+    }
+    message_buffers_.give_back(std::move(buffer));
+}
+
+void OrbImpl::handle(Lock& lock, const core::Notice& notice) {
+    if (const auto* sent = std::get_if<core::MessageSent>(&notice)) {
+        if (const auto callback = take_sent_callback(sent->message)) {
+            run_user_code(lock, "a with_sent callback", *callback);
+        }
+    } else if (const auto* dropped = std::get_if<core::MessageDropped>(&notice)) {
+        take_sent_callback(dropped->message);
+    } else if (const auto* seen = std::get_if<core::DuplicateNodeSeen>(&notice)) {
+        const std::string number =
+            engine_.node() ? std::to_string(engine_.node()->value()) : std::string{"?"};
+        report(lock,
+               {Event::Kind::duplicate_node, seen->time,
+                "another node on this bus uses node id " + number +
+                    ", as this one does; its frames are ignored: give one of them another id"});
+    } else if (const auto* changed = std::get_if<core::ControllerChanged>(&notice)) {
+        const can::ErrorStatus& status = changed->change.status;
+        report(lock,
+               {Event::Kind::controller_state, changed->change.time,
+                "the CAN controller is " + std::string{can::name(status.state)} + " (TEC " +
+                    std::to_string(status.tec) + ", REC " + std::to_string(status.rec) + ")"});
+    } else if (const auto* lost = std::get_if<core::LinkLostFrames>(&notice)) {
+        report(lock, {Event::Kind::frames_lost, lost->loss.time,
+                      "the link lost " + std::to_string(lost->loss.count) +
+                          " received frames; partial messages were dropped"});
+    }
+}
+
+void OrbImpl::report(Lock& lock, Event event) {
+    event.text = options_.name + ": " + event.text;
+    const auto callback = event_callback_;
+    run_user_code(lock, "the event callback", [&] {
+        options_.log(event.text);
+        if (callback) (*callback)(event);
+    });
+}
+
+// ---- calls
+
+void OrbImpl::require_open() const {
+    if (closed_) throw BAD_INV_ORDER("the Orb of this reference is gone");
+}
+
+TimePoint OrbImpl::deadline(Duration timeout) const {
+    return now() + (timeout > Duration::zero() ? timeout : options_.default_timeout);
+}
+
+void OrbImpl::after_queueing(std::optional<caniop::MessageHandle> message,
+                             const SentCallback& sent) {
+    if (sent) {
+        if (message) {
+            sent_callbacks_.emplace_back(*message, sent);
+        } else {
+            sent_locally_.push_back(sent);
+        }
+    }
+    transmit(now());
+    wake();
+}
+
+std::optional<SentCallback> OrbImpl::take_sent_callback(caniop::MessageHandle message) {
+    const auto found = std::find_if(sent_callbacks_.begin(), sent_callbacks_.end(),
+                                    [&](const auto& entry) { return entry.first == message; });
+    if (found == sent_callbacks_.end()) return std::nullopt;
+    SentCallback callback = std::move(found->second);
+    sent_callbacks_.erase(found);
+    return callback;
+}
+
+core::CallResult OrbImpl::call(ObjectKey target, OperationId operation, MutableBytes message,
+                               Duration timeout, const SentCallback& sent) {
+    Lock lock{mutex_};
+    require_open();
+    const TimePoint until = deadline(timeout);
+    const auto handle = engine_.call(target, operation, message, until);
+    if (!handle) return handle.error();
+    after_queueing(engine_.message_of(*handle), sent);
+    wait(lock, Role::caller, until, [&] { return engine_.ended(*handle); });
+    if (auto result = engine_.take_result(*handle)) return std::move(*result);
+    require_open();
+    return SystemError{SystemErrorKind::internal, Completion::maybe};
+}
+
+std::optional<SystemError> OrbImpl::send(ObjectKey target, OperationId operation,
+                                         MutableBytes message, Duration timeout,
+                                         const SentCallback& sent) {
+    const Lock lock{mutex_};
+    require_open();
+    const auto queued = engine_.send(target, operation, message, deadline(timeout));
+    if (!queued) return queued.error();
+    after_queueing(*queued, sent);
+    return std::nullopt;
+}
+
+std::optional<SystemError> OrbImpl::multicast(GroupId group, std::uint16_t interface_key,
+                                              OperationId operation, MutableBytes message,
+                                              Duration timeout, const SentCallback& sent) {
+    const Lock lock{mutex_};
+    require_open();
+    const auto queued =
+        engine_.multicast(group, interface_key, operation, message, deadline(timeout));
+    if (!queued) return queued.error();
+    after_queueing(*queued, sent);
+    return std::nullopt;
+}
+
+void OrbImpl::give_back(core::Buffer body) {
+    const Lock lock{mutex_};
+    engine_.buffers().release(std::move(body));
+}
+
+// ---- the event loop
+
+bool OrbImpl::run_until(TimePoint deadline) {
+    Lock lock{mutex_};
+    require_open();
+    wait(lock, Role::loop, deadline, [&] { return shut_down_.load(); });
+    return !shut_down_;
+}
+
+void OrbImpl::poll() {
+    Lock lock{mutex_};
+    require_open();
+    if (bus_.simulation() != nullptr) {
+        wait(lock, Role::loop, now(), [] { return false; });
+        return;
+    }
+    exchange(now(), may_run(Role::loop));
+    // As much as was due on entry; what servants cause meanwhile waits for the next poll().
+    for (std::size_t i = 0; i < max_polled && may_run(Role::loop) && run_one(lock); ++i) {
+        exchange(now(), true);
+    }
+}
+
+void OrbImpl::shutdown() noexcept {
+    shut_down_ = true;
+    wake_signal_.raise();
+}
+
+TimerId OrbImpl::add_timer(TimePoint time, Duration period, Callback callback) {
+    const Lock lock{mutex_};
+    require_open();
+    const auto id = timers_.add(time, period, std::move(callback));
+    wake();
+    return TimerId{id};
+}
+
+void OrbImpl::cancel_timer(TimerId timer) {
+    const Lock lock{mutex_};
+    timers_.cancel(static_cast<Timers::Id>(timer));
+}
+
+bool OrbImpl::work() {
+    Lock lock{mutex_};
+    const TimePoint time = now();
+    exchange(time, may_run(Role::loop));
+    if (too_deep()) refuse_nested(time);
+    return may_run(Role::loop) && run_one(lock);
+}
+
+bool OrbImpl::run_due_timer() {
+    Lock lock{mutex_};
+    if (!may_run(Role::loop)) return false;
+    const auto callback = timers_.take_due(now());
+    if (!callback) return false;
+    run_user_code(lock, "a timer", *callback);
+    return true;
+}
+
+TimePoint OrbImpl::next_wakeup() const {
+    const Lock lock{mutex_};
+    return wakeup(Role::loop);
+}
+
+// ---- objects and groups
+
+std::optional<NodeId> OrbImpl::node() const {
+    const Lock lock{mutex_};
+    return engine_.node();
+}
+
+void OrbImpl::set_node(int node) {
+    const auto id = NodeId::from(node);
+    if (!id) throw BAD_PARAM("node " + std::to_string(node) + " is not 0 to 30");
+    const Lock lock{mutex_};
+    require_open();
+    engine_.set_node(id);
+    transmit(now());
+}
+
+ObjectRef OrbImpl::make_reference(core::Reference reference) {
+    return ObjectRef{shared_from_this(),
+                     std::make_shared<const core::Reference>(std::move(reference))};
+}
+
+ObjectRef OrbImpl::activate(std::optional<ObjectIndex> index, Servant& servant) {
+    const Lock lock{mutex_};
+    require_open();
+    if (!engine_.node()) throw BAD_INV_ORDER("this node has no number yet: set_node() first");
+    const auto activated = index ? engine_.adapter().activate_with_id(*index, servant)
+                                 : engine_.adapter().activate(servant);
+    if (!activated) {
+        switch (activated.error()) {
+            case poa::ActivationError::object_already_active:
+                throw ObjectAlreadyActive{};
+            case poa::ActivationError::servant_already_active:
+                throw ServantAlreadyActive{};
+            case poa::ActivationError::index_out_of_range:
+                throw BAD_PARAM("object index " + std::to_string(*index) + " is not 1 to 1023");
+            case poa::ActivationError::exhausted:
+                throw NO_RESOURCES("all object indices from 1024 to 2047 have been given out");
+        }
+    }
+    return make_reference(
+        core::Reference::to_object(ObjectKey{*engine_.node(), *activated},
+                                   std::string{servant._interface_info().repository_id}));
+}
+
+void OrbImpl::deactivate(ObjectIndex index) {
+    const Lock lock{mutex_};
+    require_open();
+    if (!engine_.deactivate(index)) throw ObjectNotActive{};
+    transmit(now());
+}
+
+ObjectRef OrbImpl::string_to_object(std::string_view text) {
+    auto reference = core::parse_reference(text);
+    if (!reference) {
+        const core::ReferenceError& error = reference.error();
+        throw_system_exception({error.kind, Completion::no},
+                               "'" + std::string{text} + "': " + std::string{error.why});
+    }
+    return make_reference(std::move(*reference));
+}
+
+std::string OrbImpl::object_to_string(const ObjectRef& reference) const {
+    return core::to_string(*reference.to_);
+}
+
+ObjectRef OrbImpl::group_reference(GroupId group) {
+    checked(group);
+    const Lock lock{mutex_};
+    const InterfaceInfo* common = engine_.agent().common_interface(group);
+    return make_reference(core::Reference::to_group(
+        group, common == nullptr ? std::string{} : std::string{common->repository_id}));
+}
+
+ObjectIndex OrbImpl::local_index(const ObjectRef& object) const {
+    const auto index = object.index();
+    if (!index || object.node() != engine_.node()) {
+        throw BAD_PARAM("only an object of this node can be a member of a group here");
+    }
+    return *index;
+}
+
+void OrbImpl::join(const ObjectRef& object, GroupId group) {
+    checked(group);
+    const Lock lock{mutex_};
+    require_open();
+    const ObjectIndex index = local_index(object);
+    const Servant* servant = engine_.adapter().find(index);
+    if (servant == nullptr) {
+        throw BAD_PARAM("object " + std::to_string(index) + " is not active: activate it first");
+    }
+    if (!engine_.join(group, {index, &servant->_interface_info()})) {
+        throw BAD_PARAM(std::string{servant->_interface_info().repository_id} +
+                        " has no interface in common with the members of group " +
+                        std::to_string(group.value()));
+    }
+    transmit(now());
+}
+
+void OrbImpl::leave(const ObjectRef& object, GroupId group) {
+    checked(group);
+    const Lock lock{mutex_};
+    require_open();
+    engine_.leave(group, local_index(object));
+    transmit(now());
+}
+
+bool OrbImpl::is_member(const ObjectRef& object, GroupId group) const {
+    checked(group);
+    const Lock lock{mutex_};
+    return engine_.agent().is_member(group, local_index(object));
+}
+
+std::vector<ObjectRef> OrbImpl::members(GroupId group) {
+    checked(group);
+    const Lock lock{mutex_};
+    std::vector<ObjectRef> references;
+    for (const mca::Member& member : engine_.agent().members(group)) {
+        references.push_back(make_reference(
+            core::Reference::to_object(ObjectKey{*engine_.node(), member.index},
+                                       std::string{member.interface->repository_id})));
+    }
+    return references;
+}
+
+// ---- what happened
+
+void OrbImpl::on_event(std::function<void(const Event&)> callback) {
+    const Lock lock{mutex_};
+    event_callback_ =
+        std::make_shared<const std::function<void(const Event&)>>(std::move(callback));
+}
+
+Counters OrbImpl::counters() const {
+    const Lock lock{mutex_};
+    return engine_.counters();
+}
+
+can::ErrorStatus OrbImpl::error_status() const {
+    const Lock lock{mutex_};
+    return controller_ ? controller_->error_status()
+                       : can::ErrorStatus{can::ControllerState::stopped, 0, 0};
+}
+
+can::Capabilities OrbImpl::capabilities() const {
+    const Lock lock{mutex_};
+    return controller_ ? controller_->capabilities() : can::Capabilities{};
+}
+
+void OrbImpl::recover() {
+    const Lock lock{mutex_};
+    require_open();
+    controller_->recover();
+}
+
+}  // namespace canorb::runtime

@@ -1,0 +1,184 @@
+#pragma once
+
+#include <atomic>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <utility>
+#include <vector>
+
+#include "canorb/orb.hpp"
+#include "orb/can/link/descriptor.hpp"
+#include "orb/core/engine.hpp"
+#include "orb/core/reference.hpp"
+#include "orb/giop/format.hpp"
+#include "orb/runtime/simulation_impl.hpp"
+#include "orb/runtime/timers.hpp"
+
+namespace canorb::runtime {
+
+/// Finds the ORB that a decoded reference belongs to.
+struct ReferenceOwner : ccdr::DecodeContext {
+    explicit ReferenceOwner(OrbImpl& owner) : orb(owner) {}
+    OrbImpl& orb;
+};
+
+/// Buffers in which whole messages are built, each of giop::max_message octets with undefined
+/// contents. Any thread.
+class MessageBuffers {
+  public:
+    core::Buffer take() {
+        const std::lock_guard lock{mutex_};
+        if (free_.empty()) return core::Buffer(giop::max_message);
+        core::Buffer buffer = std::move(free_.back());
+        free_.pop_back();
+        return buffer;
+    }
+    void give_back(core::Buffer buffer) {
+        const std::lock_guard lock{mutex_};
+        free_.push_back(std::move(buffer));
+    }
+
+  private:
+    std::mutex mutex_;
+    std::vector<core::Buffer> free_;
+};
+
+/// The Orb behind the facade: the engine, its link, its clock, and the threads that lend
+/// themselves to it.
+///
+/// There is no thread of its own. A thread that runs the event loop, or that waits for a reply,
+/// does the ORB's work meanwhile. One of those waiting leads: it alone sleeps on the link; the
+/// others sleep on changed_ and are woken when the leader found something or leaves.
+///
+/// Invariants:
+///  * the engine and all members without a note are touched with mutex_ held;
+///  * user code (servants, timers, callbacks) runs with mutex_ released, one at a time: only in
+///    the thread that is serving already (a nested call), or when no thread is;
+///  * while a thread runs the event loop, others that wait for replies leave user code to it.
+class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public SimulatedOrb {
+  public:
+    static constexpr int max_nesting = 8;
+
+    OrbImpl(Bus& bus, OrbOptions options);
+    ~OrbImpl() override;
+
+    /// Sends what is queued, then lets go of the bus. Calls throw BAD_INV_ORDER from then on.
+    void close();
+
+    const OrbOptions& options() const { return options_; }
+    std::optional<NodeId> node() const;
+    void set_node(int node);
+
+    Poa& root_poa() { return root_poa_; }
+    ObjectRef activate(std::optional<ObjectIndex> index, Servant& servant);
+    void deactivate(ObjectIndex index);
+
+    ObjectRef make_reference(core::Reference reference);
+    ObjectRef string_to_object(std::string_view text);
+    std::string object_to_string(const ObjectRef& reference) const;
+    ObjectRef group_reference(GroupId group);
+
+    void join(const ObjectRef& object, GroupId group);
+    void leave(const ObjectRef& object, GroupId group);
+    bool is_member(const ObjectRef& object, GroupId group) const;
+    std::vector<ObjectRef> members(GroupId group);
+
+    /// Runs the event loop until shutdown() (false) or the deadline (true).
+    bool run_until(TimePoint deadline);
+    void poll();
+    void shutdown() noexcept;
+
+    TimePoint now() const { return bus_.now(); }
+    TimerId add_timer(TimePoint time, Duration period, Callback callback);
+    void cancel_timer(TimerId timer);
+
+    void on_event(std::function<void(const Event&)> callback);
+    Counters counters() const;
+    can::ErrorStatus error_status() const;
+    can::Capabilities capabilities() const;
+    void recover();
+
+    // ---- for stubs. `message` as Engine::call() wants it; `timeout` 0: the default.
+
+    MessageBuffers& message_buffers() { return message_buffers_; }
+    /// Returns the body of an answer, to be used again.
+    void give_back(core::Buffer body);
+
+    core::CallResult call(ObjectKey target, OperationId operation, MutableBytes message,
+                          Duration timeout, const SentCallback& sent);
+    std::optional<SystemError> send(ObjectKey target, OperationId operation, MutableBytes message,
+                                    Duration timeout, const SentCallback& sent);
+    std::optional<SystemError> multicast(GroupId group, std::uint16_t interface_key,
+                                         OperationId operation, MutableBytes message,
+                                         Duration timeout, const SentCallback& sent);
+    const ccdr::DecodeContext* decode_context() const { return &owner_; }
+
+    // ---- for the Simulation
+    bool work() override;
+    bool run_due_timer() override;
+    TimePoint next_wakeup() const override;
+
+  private:
+    using Lock = std::unique_lock<std::mutex>;
+
+    /// Why a thread waits.
+    enum class Role : std::uint8_t { loop, caller, closing };
+
+    template <typename Done>
+    bool wait(Lock& lock, Role role, TimePoint deadline, Done done);
+    void lead(Lock& lock, TimePoint until);
+    void wake();
+
+    bool may_run(Role role) const;
+    bool too_deep() const;
+    TimePoint wakeup(Role role) const;
+    void exchange(TimePoint now, bool serving);
+    void transmit(TimePoint now);
+    void refuse_nested(TimePoint now);
+
+    bool run_one(Lock& lock);
+    void run_user_code(Lock& lock, const char* what, const std::function<void()>& code);
+    void serve(Lock& lock, core::IncomingRequest request);
+    void serve_object(Lock& lock, const core::IncomingRequest& request);
+    void serve_group(Lock& lock, const core::IncomingRequest& request);
+    void call_servant(Lock& lock, Servant& servant, ServerCall& call);
+    void handle(Lock& lock, const core::Notice& notice);
+    void report(Lock& lock, Event event);
+    void after_queueing(std::optional<caniop::MessageHandle> message, const SentCallback& sent);
+    std::optional<SentCallback> take_sent_callback(caniop::MessageHandle message);
+
+    void require_open() const;
+    TimePoint deadline(Duration timeout) const;
+    ObjectIndex local_index(const ObjectRef& object) const;
+
+    Bus& bus_;
+    const OrbOptions options_;
+    Poa root_poa_{*this};
+    ReferenceOwner owner_{*this};
+    MessageBuffers message_buffers_;
+    const can::Signal wake_signal_;
+    std::atomic<bool> shut_down_ = false;
+
+    mutable std::mutex mutex_;
+    std::condition_variable changed_;
+    std::unique_ptr<can::Controller> controller_;  ///< null when closed
+    core::Engine engine_;
+    Timers timers_;
+    std::vector<std::pair<caniop::MessageHandle, SentCallback>> sent_callbacks_;
+    std::vector<SentCallback> sent_locally_;
+    std::vector<Event> own_events_;
+    std::shared_ptr<const std::function<void(const Event&)>> event_callback_;
+    bool closed_ = false;
+    bool leading_ = false;
+    int loops_ = 0;    ///< threads in the event loop
+    int waiting_ = 0;  ///< threads in wait()
+    int depth_ = 0;    ///< of nested user code
+    std::thread::id serving_thread_;
+};
+
+}  // namespace canorb::runtime
