@@ -1,0 +1,96 @@
+#include "program.hpp"
+
+#include <fmt/format.h>
+#include <signal.h>
+
+#include <atomic>
+#include <cstdio>
+#include <exception>
+
+namespace tank {
+
+namespace {
+
+// A signal handler has nothing but globals.
+std::atomic<canorb::Orb*> orb_to_stop{nullptr};
+std::atomic<bool> stop_requested{false};
+static_assert(std::atomic<canorb::Orb*>::is_always_lock_free);
+
+constexpr int stop_signals[] = {SIGINT, SIGTERM, SIGHUP};
+
+extern "C" void on_stop_signal(int) {
+    stop_requested = true;
+    if (canorb::Orb* const orb = orb_to_stop) orb->shutdown();
+}
+
+void handle_stop_signals(void (*handler)(int)) {
+    struct sigaction action{};
+    action.sa_handler = handler;
+    ::sigemptyset(&action.sa_mask);
+    for (const int number : stop_signals) ::sigaction(number, &action, nullptr);
+}
+
+void print_line(std::string_view text) {
+    fmt::print("{}\n", text);
+    std::fflush(stdout);
+}
+
+}  // namespace
+
+void set_up(CLI::App& app) {
+    app.set_version_flag("--version", app.get_name() + " " TANK_VERSION);
+    app.get_formatter()->column_width(32);
+}
+
+void add_node_options(CLI::App& app, NodeOptions& options) {
+    options.bus = canorb::default_bus_address();
+    app.add_option("--bus", options.bus, "The bus, as sim:PATH or local:NAME (else CANORB_BUS)")
+        ->capture_default_str();
+    add_parsed_option(app, "--node", options.node, canorb::parse_node_id,
+                      "This node's number, 0 to 30 (else CANORB_NODE)")
+        ->envname("CANORB_NODE")
+        ->default_str(fmt::format("{}", options.node));
+}
+
+int run_program(std::string_view name, const std::function<void()>& work) {
+    try {
+        work();
+        return 0;
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "{}: {}\n", name, error.what());
+        return 1;
+    }
+}
+
+StopSignals::StopSignals(canorb::Orb* orb) {
+    orb_to_stop = orb;
+    handle_stop_signals(on_stop_signal);
+}
+
+StopSignals::~StopSignals() {
+    handle_stop_signals(SIG_DFL);
+    orb_to_stop = nullptr;
+}
+
+bool StopSignals::requested() {
+    return stop_requested;
+}
+
+NodePrinter::NodePrinter(canorb::Orb& orb, std::string_view node)
+    : orb_(orb), node_(node), start_(orb.now()) {
+    orb.every(std::chrono::milliseconds{250}, [this] { print_panel(); });
+}
+
+void NodePrinter::log(std::string_view text) {
+    const auto ms =
+        std::chrono::duration_cast<std::chrono::milliseconds>(orb_.now() - start_).count();
+    print_line(fmt::format("{}.{:03} {}: {}", ms / 1000, ms % 1000, node_, text));
+}
+
+void NodePrinter::print_panel() {
+    if (panel_ == printed_) return;
+    printed_ = panel_;
+    log(fmt::format("|{}|{}|", panel_.lines[0], panel_.lines[1]));
+}
+
+}  // namespace tank

@@ -1,0 +1,31 @@
+// The node at the tank, as a program of its own.
+
+#include <canorb/orb.hpp>
+
+#include "groups.hpp"
+#include "node_b.hpp"
+#include "program.hpp"
+
+int main(int argc, char** argv) {
+    CLI::App app{"Node B of the tank: measures the level and works the valves.", "tank_node_b"};
+    tank::set_up(app);
+    tank::NodeOptions options{.bus{}, .node = tank::default_node_b};
+    tank::add_node_options(app, options);
+    CLI11_PARSE(app, argc, argv);
+
+    return tank::run_program("tank_node_b", [&] {
+        const auto bus = canorb::open_bus(options.bus);
+        canorb::Orb orb{*bus, {.node = options.node, .name = "tank-b"}};
+        tank::NodePrinter printer{orb, "B"};
+        tank::NodeB node{
+            orb,
+            {.display = [&](const tank::PlantStatus& s) { printer.show(tank::panel_of(s)); },
+             .log = [&](std::string_view text) { printer.log(text); }}};
+
+        tank::StepsDue steps;
+        orb.every(tank::Plant::step_length,
+                  [&, start = orb.now()] { node.pass_time(steps.take(orb.now() - start)); });
+        const tank::StopSignals stop_signals{&orb};
+        orb.run();
+    });
+}
