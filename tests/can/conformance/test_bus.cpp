@@ -1,0 +1,138 @@
+#include "tests/can/conformance/test_bus.hpp"
+
+#include <poll.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <optional>
+#include <stdexcept>
+#include <thread>
+
+#include "orb/can/link/bus_server.hpp"
+#include "orb/can/link/link.hpp"
+#include "orb/can/sim/controller.hpp"
+#include "orb/can/sim/frame_bus.hpp"
+#include "tests/can/temporary_directory.hpp"
+
+namespace canorb::can::test {
+namespace {
+
+constexpr int patience_ms = 20'000;
+
+class VirtualBus final : public TestBus {
+  public:
+    explicit VirtualBus(std::uint32_t bitrate) : bus_(bitrate) {}
+
+    std::unique_ptr<Controller> attach() override {
+        return std::make_unique<sim::Controller>(bus_);
+    }
+    bool wait(std::span<Controller* const>) override { return bus_.advance_one(); }
+
+  private:
+    sim::FrameBus bus_;
+};
+
+/// A bus that goes on by itself and wakes through event_fd().
+class LinkBus : public TestBus {
+  public:
+    std::unique_ptr<Controller> attach() override {
+        auto controller = link_->attach("test");
+        if (!controller) throw std::runtime_error(controller.error());
+        return std::move(*controller);
+    }
+
+    bool wait(std::span<Controller* const> controllers) override {
+        std::vector<pollfd> descriptors;
+        for (const Controller* controller : controllers) {
+            descriptors.push_back({controller->event_fd(), POLLIN, 0});
+        }
+        int ready = 0;
+        do {
+            ready = ::poll(descriptors.data(), descriptors.size(), patience_ms);
+        } while (ready < 0 && errno == EINTR);
+        return ready > 0;
+    }
+
+  protected:
+    void open(const std::string& address) {
+        auto link = open_link(address);
+        if (!link) throw std::runtime_error(link.error());
+        link_ = std::move(*link);
+    }
+
+  private:
+    std::unique_ptr<Link> link_;
+};
+
+class LocalBus final : public LinkBus {
+  public:
+    explicit LocalBus(std::uint32_t bitrate) {
+        open("local:conformance?bitrate=" + std::to_string(bitrate));
+    }
+};
+
+class SimBus final : public LinkBus {
+  public:
+    SimBus(std::uint32_t bitrate, bool paced) {
+        BusServerOptions options;
+        options.path = directory_.path() + "/bus";
+        options.bitrate = bitrate;
+        options.paced = paced;
+        auto server = BusServer::open(options);
+        if (!server) throw std::runtime_error(server.error());
+        server_ = std::move(*server);
+        thread_ = std::thread{[this] { server_->run(); }};
+        open("sim:" + options.path);
+    }
+    ~SimBus() override {
+        server_->stop();
+        thread_.join();
+    }
+
+  private:
+    TemporaryDirectory directory_;
+    std::unique_ptr<BusServer> server_;
+    std::thread thread_;
+};
+
+}  // namespace
+
+std::vector<LinkKind> all_links() {
+    return {
+        {"Virtual", [](std::uint32_t bitrate) { return std::make_unique<VirtualBus>(bitrate); },
+         false, false},
+        {"Local", [](std::uint32_t bitrate) { return std::make_unique<LocalBus>(bitrate); }, true,
+         true},
+        {"SimPaced", [](std::uint32_t bitrate) { return std::make_unique<SimBus>(bitrate, true); },
+         true, true},
+        {"SimUnpaced",
+         [](std::uint32_t bitrate) { return std::make_unique<SimBus>(bitrate, false); }, false,
+         true},
+    };
+}
+
+void Station::drain() {
+    if (!controller_) return;
+    while (const auto event = controller_->poll()) {
+        if (const auto* frame = std::get_if<Received>(&*event)) received.push_back(*frame);
+        if (const auto* result = std::get_if<TransmitResult>(&*event)) results.push_back(*result);
+        if (const auto* change = std::get_if<StateChanged>(&*event)) states.push_back(*change);
+        if (const auto* loss = std::get_if<FramesLost>(&*event)) lost += loss->count;
+    }
+}
+
+std::vector<std::uint32_t> Station::received_ids() const {
+    std::vector<std::uint32_t> ids;
+    for (const Received& each : received) ids.push_back(each.frame.id);
+    return ids;
+}
+
+std::vector<TransmitHandle> Station::results_with(TransmitOutcome outcome) const {
+    std::vector<TransmitHandle> handles;
+    for (const TransmitResult& each : results) {
+        if (each.outcome == outcome) handles.push_back(each.handle);
+    }
+    return handles;
+}
+
+}  // namespace canorb::can::test

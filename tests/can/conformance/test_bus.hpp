@@ -1,0 +1,67 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "orb/can/controller.hpp"
+
+namespace canorb::can::test {
+
+/// A bus of one kind of link, for the tests that every link has to pass.
+class TestBus {
+  public:
+    virtual ~TestBus() = default;
+    TestBus(const TestBus&) = delete;
+    TestBus& operator=(const TestBus&) = delete;
+
+    virtual std::unique_ptr<Controller> attach() = 0;
+
+    /// Lets time pass until one of the controllers may have an event. False: none will come.
+    virtual bool wait(std::span<Controller* const> controllers) = 0;
+
+  protected:
+    TestBus() = default;
+};
+
+/// One kind of link.
+struct LinkKind {
+    std::string name;
+    std::function<std::unique_ptr<TestBus>(std::uint32_t bitrate)> open;
+    bool keeps_to_clock;  ///< a frame takes its time on the clock of monotonic_now()
+    bool has_event_fd;    ///< and may be used by several threads
+};
+
+/// Every link there is. A new one is added here, and nothing else.
+std::vector<LinkKind> all_links();
+
+/// A controller and everything that it has told.
+class Station {
+  public:
+    explicit Station(std::unique_ptr<Controller> controller) : controller_(std::move(controller)) {}
+
+    Controller& operator*() { return *controller_; }
+    Controller* operator->() { return controller_.get(); }
+
+    /// Takes all events there are now.
+    void drain();
+    /// Leaves the bus.
+    void leave() { controller_.reset(); }
+    bool is_attached() const { return controller_ != nullptr; }
+
+    std::vector<std::uint32_t> received_ids() const;
+    std::vector<TransmitHandle> results_with(TransmitOutcome outcome) const;
+
+    std::vector<Received> received;
+    std::vector<TransmitResult> results;
+    std::vector<StateChanged> states;
+    std::uint64_t lost = 0;
+
+  private:
+    std::unique_ptr<Controller> controller_;
+};
+
+}  // namespace canorb::can::test
