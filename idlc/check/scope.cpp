@@ -117,6 +117,13 @@ const Symbol* resolve(Scope& scope, const ast::ScopedName& name, std::string_vie
     std::vector<const Symbol*> found;
     for (Scope* at = from; at != nullptr && found.empty(); at = at->parent()) {
         found = at->visible(name.parts.front().text);
+        // `attribute State state` and its like are at ease with each other: what is sought is never
+        // an operation or a member.
+        std::erase_if(found, [&](const Symbol* symbol) {
+            const bool other = symbol->kind == Symbol::Kind::operation ||
+                               symbol->kind == Symbol::Kind::other;
+            return other && symbol->name != name.parts.front().text;
+        });
     }
     if (!name.global && !found.empty()) {
         scope.use(name.parts.front().text, name.parts.front().where);

@@ -32,7 +32,16 @@ std::string in_namespaces(const Definitions& definitions, const Names& names, co
         }
         if (!text.empty()) parts.push_back(std::move(text));
     }
-    return join(parts, "\n");
+    std::string text;
+    bool after_line = false;
+    for (const std::string& part : parts) {
+        // Constants and aliases stand close together.
+        const bool is_line = part.find('\n') == part.size() - 1;
+        if (!text.empty() && !(after_line && is_line)) text += '\n';
+        text += part;
+        after_line = is_line;
+    }
+    return text;
 }
 
 const model::Interface* as_interface(const model::Definition& definition) {
@@ -121,9 +130,9 @@ GeneratedCode generate(const model::Model& model, const std::string& stem) {
                                                                 : "#include <canorb/types.hpp>"},
                                       {"gap", includes.empty() ? "" : "\n"},
                                       {"includes", includes}});
-    code.header += section("Types and stubs.", all([&](const model::Definition& definition) {
-                               return declared(definition, names);
-                           }));
+    code.header += section(
+        calls ? "Types and stubs." : "Types.",
+        all([&](const model::Definition& definition) { return declared(definition, names); }));
     code.header += section("Servants: derive from these.", interfaces([&](const auto& interface) {
                                return servant_declaration(interface, names);
                            }));

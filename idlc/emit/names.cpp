@@ -246,6 +246,13 @@ std::string Names::type(const model::Type& type, const Context& context) const {
     return std::string{basic_type(type.kind)};
 }
 
+std::string Names::variable(const model::Type& type, std::string_view name,
+                            const Context& context) const {
+    const bool is_array = model::resolved(type).kind == TypeKind::array;
+    return this->type(type, context) + ' ' + std::string{name} +
+           (is_array || model::is_scalar(type) ? "{};" : ";");
+}
+
 std::string Names::parameter(const model::Parameter& parameter, const Context& context) const {
     std::string type = this->type(parameter.type, context);
     if (parameter.direction != model::Direction::in) {

@@ -37,6 +37,9 @@ class Names {
     std::string own(const model::Definition& definition) const;
     std::string spell(const model::Definition& definition, const Context& context) const;
     std::string type(const model::Type& type, const Context& context) const;
+    /// "std::string name;" or "long count{};": nothing is left undefined.
+    std::string variable(const model::Type& type, std::string_view name,
+                         const Context& context) const;
     /// As a parameter: by value what is a scalar, else by reference.
     std::string parameter(const model::Parameter& parameter, const Context& context) const;
     std::string value(const model::Constant& constant, const Context& context) const;

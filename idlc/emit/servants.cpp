@@ -47,12 +47,13 @@ std::string servant_members(const model::Definition& interface, const Names& nam
         for (const model::Definition* exception : operation.raises) {
             exceptions.push_back(names.spell(*exception, context));
         }
+        std::string remark = place(operation.provenance);
+        if (!exceptions.empty()) remark += ", raises " + join(exceptions, ", ");
+        // A line between what has a comment and what is before it.
         if (text.empty() || !operation.comment.empty()) text += '\n';
-        text += comment(operation.comment) + "virtual " +
-                signature(operation, names, context, context) + " = 0;  // " +
-                place(operation.provenance);
-        if (!exceptions.empty()) text += ", raises " + join(exceptions, ", ");
-        text += '\n';
+        text +=
+            comment(operation.comment) +
+            remarked("virtual " + signature(operation, names, context, context) + " = 0;", remark);
     }
     return indent(text);
 }
@@ -134,7 +135,7 @@ class CaseWriter {
         for (const model::Parameter& parameter : operation_.parameters) {
             const std::string name = identifier(parameter.name);
             const std::string value = coded(parameter.type, name);
-            parts.locals += names_.type(parameter.type, context) + ' ' + name + "{};\n";
+            parts.locals += names_.variable(parameter.type, name, context) + '\n';
             context.hidden.push_back(name);
             parts.arguments.push_back(name);
             if (parameter.direction != Direction::out) parts.read.push_back(value);

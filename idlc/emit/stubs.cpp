@@ -15,7 +15,7 @@ const model::Interface& body_of(const model::Definition& interface) {
     return std::get<model::Interface>(interface.body);
 }
 
-std::string what_happened(const model::Operation& operation, const Names& names,
+std::string raised_remark(const model::Operation& operation, const Names& names,
                           const Context& context) {
     std::vector<std::string> parts;
     for (const model::Definition* exception : operation.raises) {
@@ -27,7 +27,7 @@ std::string what_happened(const model::Operation& operation, const Names& names,
 constexpr std::string_view info_piece = R"(
 /// What stubs and skeletons share about $id$.
 $bases$
-inline constexpr canorb::InterfaceInfo $name$Interface{"$id$", $span$};
+$constant$
 )";
 
 std::string interface_info(const model::Definition& interface, const Names& names) {
@@ -36,12 +36,15 @@ std::string interface_info(const model::Definition& interface, const Names& name
     for (const model::Definition* base : body_of(interface).bases) {
         bases.push_back('&' + names.spell(*base, beside(interface)) + "Interface");
     }
-    const std::string array = "inline constexpr const canorb::InterfaceInfo* " + name +
-                              "Bases[] = {" + join(bases, ", ") + "};";
+    const std::string array =
+        wrap("inline constexpr const canorb::InterfaceInfo* " + name + "Bases[] = {",
+             join(bases, ", ") + "};");
+    const std::string constant = wrap(
+        "inline constexpr canorb::InterfaceInfo " + name + "Interface{",
+        '"' + interface.repository_id + "\", " + (bases.empty() ? "{}" : name + "Bases") + "};");
     return fill(info_piece, {{"id", interface.repository_id},
-                             {"name", name},
                              {"bases", bases.empty() ? "" : array},
-                             {"span", bases.empty() ? "{}" : name + "Bases"}});
+                             {"constant", constant}});
 }
 
 // The copy functions are declared so that there are none that move: compilers warn of virtual
@@ -90,9 +93,11 @@ std::string stub_members(const model::Definition& interface, const Names& names)
     for (const model::Operation& operation : body_of(interface).operations) {
         // A line between what has a comment and what is before it.
         if (text.empty() || !operation.comment.empty()) text += '\n';
-        text += comment(operation.comment) + signature(operation, names, context, context) +
-                " const;  // " + place(operation.provenance) + ", operation " +
-                std::to_string(operation.id) + what_happened(operation, names, context) + '\n';
+        text +=
+            comment(operation.comment) +
+            remarked(signature(operation, names, context, context) + " const;",
+                     place(operation.provenance) + ", operation " + std::to_string(operation.id) +
+                         raised_remark(operation, names, context));
     }
     return indent(text);
 }
@@ -140,7 +145,7 @@ std::string call(const model::Definition& interface, const model::Operation& ope
         exceptions.push_back(names.spell(*exception, inside));
     }
     const std::string declare =
-        operation.result ? names.type(*operation.result, inside) + ' ' + result + "{};" : "";
+        operation.result ? names.variable(*operation.result, result, inside) : "";
     return fill(call_piece,
                 {{"signature", signature(operation, names, beside(interface), in_stub(interface),
                                          class_name + "::")},

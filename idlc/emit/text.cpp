@@ -76,6 +76,18 @@ std::string indent(std::string_view text, std::size_t levels) {
     return result;
 }
 
+std::string wrap(std::string_view begin, std::string_view end) {
+    const bool fits = begin.size() + end.size() <= line_width;
+    return std::string{begin} + (fits ? "" : "\n    ") + std::string{end};
+}
+
+std::string remarked(std::string_view declaration, std::string_view remark) {
+    const std::string comment = "// " + std::string{remark};
+    const std::string line{declaration};
+    if (line.size() + 2 + comment.size() <= line_width) return line + "  " + comment + '\n';
+    return comment + '\n' + line + '\n';
+}
+
 std::string join(const std::vector<std::string>& parts, std::string_view separator) {
     std::string text;
     for (const std::string& part : parts) {

@@ -18,6 +18,15 @@ std::string fill(std::string_view piece, std::initializer_list<Slot> slots);
 /// Each line that is not empty with four spaces per level before it.
 std::string indent(std::string_view text, std::size_t levels = 1);
 
+/// How long a generated line should be at most, indentation by one level included.
+inline constexpr std::size_t line_width = 96;
+
+/// `begin` and `end` on one line where it is short enough, else `end` on a line of its own.
+std::string wrap(std::string_view begin, std::string_view end);
+
+/// The declaration with the remark behind it as a comment, or above it where it is too long.
+std::string remarked(std::string_view declaration, std::string_view remark);
+
 std::string join(const std::vector<std::string>& parts, std::string_view separator);
 
 }  // namespace canorb::idlc::emit

@@ -9,8 +9,6 @@ namespace canorb::idlc::emit {
 
 namespace {
 
-constexpr std::size_t line_width = 100;
-
 using Members = std::vector<model::Member>;
 
 std::string enum_declaration(const model::Definition& definition, const model::Enum& body,
@@ -35,8 +33,8 @@ std::string member_declarations(const Members& members, const Names& names, Cont
     for (const model::Member& member : members) context.hidden.push_back(identifier(member.name));
     std::string text;
     for (const model::Member& member : members) {
-        text += comment(member.comment) + names.type(member.type, context) + ' ' +
-                identifier(member.name) + (model::is_scalar(member.type) ? "{}" : "") + ";\n";
+        text += comment(member.comment) +
+                names.variable(member.type, identifier(member.name), context) + '\n';
     }
     return text;
 }
@@ -62,8 +60,7 @@ class $name$ final : public canorb::UserException {
 
 constexpr std::string_view constructors_piece = R"(
 $name$() = default;
-$explicit$$name$($parameters$)
-    : $initializers$ {}
+$constructor$
 )";
 
 std::string exception_constructors(const std::string& name, const Members& members,
@@ -83,10 +80,12 @@ std::string exception_constructors(const std::string& name, const Members& membe
                                    ? own + '(' + parameter + ')'
                                    : own + "(std::move(" + parameter + "))");
     }
-    return fill(constructors_piece, {{"name", name},
-                                     {"explicit", members.size() == 1 ? "explicit " : ""},
-                                     {"parameters", join(parameters, ", ")},
-                                     {"initializers", join(initializers, ", ")}});
+    const std::string explicit_keyword = members.size() == 1 ? "explicit " : "";
+    std::string constructor = explicit_keyword + name + '(' + join(parameters, ", ") + ')';
+    const std::string initialized = ": " + join(initializers, ", ") + " {}";
+    const bool fits = constructor.size() + initialized.size() < line_width;
+    constructor += (fits ? " " : "\n    ") + initialized;
+    return fill(constructors_piece, {{"name", name}, {"constructor", constructor}});
 }
 
 std::string exception_declaration(const model::Definition& definition, const model::Exception& body,
@@ -221,9 +220,15 @@ std::string own_codec(const model::Definition& definition, const Names& names) {
 }  // namespace
 
 std::string type_declaration(const model::Definition& definition, const Names& names) {
-    const std::string text = declaration(definition, names);
+    std::string text = declaration(definition, names);
     if (text.empty()) return {};
-    return "// " + place(definition.provenance) + '\n' + comment(definition.comment) + text;
+    const std::string from = place(definition.provenance);
+    const bool is_line = text.find('\n') == text.size() - 1;
+    if (is_line && definition.comment.empty()) {
+        text.pop_back();
+        return remarked(text, from);
+    }
+    return "// " + from + '\n' + comment(definition.comment) + text;
 }
 
 std::string codec_declaration(const model::Definition& definition, const Names& names) {
