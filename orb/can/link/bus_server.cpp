@@ -36,10 +36,17 @@ struct Client {
     std::optional<sim::NodeIndex> node;  ///< once its hello was accepted
     /// Taken from the bus, but the socket was full.
     std::optional<ControllerEvent> held;
-    bool ready = true;  ///< its socket may have something to read
     bool writable_awaited = false;
     bool lagging = false;  ///< an unpaced bus waited for it in vain, and does not again
+    bool hung_up = false;  ///< there is no more to read
     bool gone = false;
+    TimePoint last_request;
+};
+
+struct Request {
+    TimePoint time;
+    Client* client;
+    sim::ClientPacket packet;
 };
 
 /// What identifies a file, to remove only the socket that is ours.
@@ -115,13 +122,17 @@ class BusServer::Server {
                 return "waiting for clients failed: " + error_text(error);
             }
             if (stop_requested()) return {};
-            if (options_.paced) bus_.advance(monotonic_now());
-            // Every waiting frame is on the bus before the next arbitration.
             if ((descriptors_[listener_at].revents & POLLIN) != 0) accept_clients();
-            for (auto& client : clients_) {
-                if (client->ready) read_from(*client);
+            // What all clients have asked for by now has its place in the next arbitration: all are
+            // read, because ppoll() tells only what had come before it returned.
+            const TimePoint now = monotonic_now();
+            for (auto& client : clients_) read_from(*client, now);
+            obey_requests();
+            if (options_.paced) {
+                bus_.advance(now);
+            } else if (!stalled()) {
+                bus_.advance_one();
             }
-            if (!options_.paced && !stalled()) bus_.advance_one();
             for (auto& client : clients_) write_to(*client);
             remove_gone();
         }
@@ -130,7 +141,6 @@ class BusServer::Server {
   private:
     static constexpr std::size_t stop_at = 0;
     static constexpr std::size_t listener_at = 1;
-    static constexpr std::size_t first_client_at = 2;
 
     void log(const std::string& sentence) const {
         if (options_.log) options_.log(sentence);
@@ -155,9 +165,6 @@ class BusServer::Server {
         }
         const int ready =
             ::ppoll(descriptors_.data(), descriptors_.size(), timeout ? &time : nullptr, nullptr);
-        for (std::size_t i = 0; i < clients_.size(); ++i) {
-            clients_[i]->ready = descriptors_[first_client_at + i].revents != 0;
-        }
         if (ready >= 0) return 0;
         return errno == EINTR ? 0 : errno;
     }
@@ -222,7 +229,7 @@ class BusServer::Server {
         (*std::find_if(clients_.begin(), clients_.end(), is_silent))->gone = true;
     }
 
-    void read_from(Client& client) {
+    void read_from(Client& client, TimePoint now) {
         std::array<std::uint8_t, sim::max_packet_size> buffer;
         for (int i = 0; i < packets_per_turn && !client.gone; ++i) {
             std::size_t size = 0;
@@ -230,21 +237,49 @@ class BusServer::Server {
                 case ReceiveOutcome::nothing:
                     return;
                 case ReceiveOutcome::gone:
-                    if (client.node) log(title(client) + " disconnected");
-                    client.gone = true;
+                    client.hung_up = true;
                     return;
                 case ReceiveOutcome::packet:
                     break;
             }
-            const auto packet = size <= buffer.size()
-                                    ? sim::parse_client_packet(Bytes{buffer.data(), size})
-                                    : std::nullopt;
+            auto packet = size <= buffer.size()
+                              ? sim::parse_client_packet(Bytes{buffer.data(), size})
+                              : std::nullopt;
             if (!packet) {
                 throw_out(client, "sent a packet that is none of the protocol's");
                 return;
             }
-            std::visit([&](const auto& request) { obey(client, request); }, *packet);
+            // Neither into the future nor out of the client's own order.
+            const TimePoint asked =
+                std::visit([&](const auto& form) { return time_of(form, now); }, *packet);
+            client.last_request = std::clamp(asked, std::min(client.last_request, now), now);
+            requests_.push_back({client.last_request, &client, std::move(*packet)});
         }
+    }
+
+    static TimePoint time_of(const sim::Hello&, TimePoint now) { return now; }
+    template <typename Request>
+    static TimePoint time_of(const Request& request, TimePoint) {
+        return request.time;
+    }
+
+    void obey_requests() {
+        std::stable_sort(requests_.begin(), requests_.end(),
+                         [](const Request& a, const Request& b) { return a.time < b.time; });
+        for (const Request& request : requests_) {
+            if (request.client->gone) continue;
+            if (options_.paced) bus_.advance(request.time);
+            std::visit([&](const auto& form) { obey(*request.client, form); }, request.packet);
+        }
+        requests_.clear();
+        for (auto& client : clients_) {
+            if (client->hung_up && !client->gone) leave(*client);
+        }
+    }
+
+    void leave(Client& client) {
+        if (client.node) log(title(client) + " disconnected");
+        client.gone = true;
     }
 
     std::string title(const Client& client) const {
@@ -348,8 +383,7 @@ class BusServer::Server {
                     client.writable_awaited = true;
                     return;
                 case SendOutcome::gone:
-                    log(title(client) + " disconnected");
-                    client.gone = true;
+                    leave(client);
                     return;
             }
         }
@@ -368,6 +402,7 @@ class BusServer::Server {
     sim::FrameBus bus_;
     Signal stop_;
     std::vector<std::unique_ptr<Client>> clients_;
+    std::vector<Request> requests_;  ///< of this turn
     std::vector<pollfd> descriptors_;
     std::optional<TimePoint> stall_ends_;
     bool accepting_ = true;

@@ -107,7 +107,8 @@ class SimController final : public Controller {
         if (status_.state == ControllerState::bus_off) return SendError::bus_off;
         if (transmissions_.size() >= capabilities_.mailboxes || !flush()) return SendError::full;
         const TransmitHandle handle{next_handle_};
-        switch (send_packet(socket_, sim::encode(sim::SendRequest{handle, options, frame}))) {
+        switch (send_packet(
+            socket_, sim::encode(sim::SendRequest{monotonic_now(), handle, options, frame}))) {
             case SendOutcome::sent:
                 break;
             case SendOutcome::would_block:
@@ -315,12 +316,14 @@ class SimController final : public Controller {
             sent = outcome != SendOutcome::would_block;
         };
         if (listen_only_unsent_) {
-            try_send(listen_only_unsent_, sim::ListenOnlyRequest{listen_only_});
+            try_send(listen_only_unsent_, sim::ListenOnlyRequest{monotonic_now(), listen_only_});
         }
-        if (filters_unsent_) try_send(filters_unsent_, sim::FilterRequest{filters_});
-        if (recover_unsent_) try_send(recover_unsent_, sim::RecoverRequest{});
+        if (filters_unsent_)
+            try_send(filters_unsent_, sim::FilterRequest{monotonic_now(), filters_});
+        if (recover_unsent_) try_send(recover_unsent_, sim::RecoverRequest{monotonic_now()});
         for (Transmission& transmission : transmissions_) {
-            try_send(transmission.abort_unsent, sim::AbortRequest{transmission.handle});
+            try_send(transmission.abort_unsent,
+                     sim::AbortRequest{monotonic_now(), transmission.handle});
         }
         watch_writable(!sent);
         return sent;

@@ -147,6 +147,7 @@ void put(Packet& packet, const Hello& hello) {
 
 void put(Packet& packet, const SendRequest& request) {
     put(packet, PacketType::send);
+    put(packet, request.time);
     packet.put64(static_cast<std::uint64_t>(request.handle));
     packet.put8(request.options.one_shot ? one_shot_flag : std::uint8_t{0});
     put(packet, request.frame);
@@ -154,12 +155,14 @@ void put(Packet& packet, const SendRequest& request) {
 
 void put(Packet& packet, const AbortRequest& request) {
     put(packet, PacketType::abort);
+    put(packet, request.time);
     packet.put64(static_cast<std::uint64_t>(request.handle));
 }
 
 void put(Packet& packet, const FilterRequest& request) {
     assert(request.filters.size() <= max_packet_filters);
     put(packet, PacketType::filters);
+    put(packet, request.time);
     packet.put8(static_cast<std::uint8_t>(request.filters.size()));
     for (const Filter& filter : request.filters) {
         packet.put32(filter.mask);
@@ -169,6 +172,7 @@ void put(Packet& packet, const FilterRequest& request) {
 
 void put(Packet& packet, const ListenOnlyRequest& request) {
     put(packet, PacketType::listen_only);
+    put(packet, request.time);
     packet.put8(request.on ? 1 : 0);
 }
 
@@ -240,6 +244,7 @@ Hello get_hello(Reader& reader) {
 
 SendRequest get_send(Reader& reader) {
     SendRequest request;
+    request.time = get_time(reader);
     request.handle = get_handle(reader);
     request.options.one_shot = get_flags(reader, one_shot_flag) != 0;
     request.frame = get_frame(reader);
@@ -248,6 +253,7 @@ SendRequest get_send(Reader& reader) {
 
 FilterRequest get_filters(Reader& reader) {
     FilterRequest request;
+    request.time = get_time(reader);
     const std::size_t count = reader.get8();
     if (count > max_packet_filters) reader.fail();
     for (std::size_t i = 0; i < std::min(count, max_packet_filters); ++i) {
@@ -259,6 +265,16 @@ FilterRequest get_filters(Reader& reader) {
         request.filters.push_back(filter);
     }
     return request;
+}
+
+AbortRequest get_abort(Reader& reader) {
+    const TimePoint time = get_time(reader);
+    return AbortRequest{time, get_handle(reader)};
+}
+
+ListenOnlyRequest get_listen_only(Reader& reader) {
+    const TimePoint time = get_time(reader);
+    return ListenOnlyRequest{time, get_flags(reader, 1) != 0};
 }
 
 Welcome get_welcome(Reader& reader) {
@@ -355,16 +371,16 @@ std::optional<ClientPacket> parse_client_packet(Bytes octets) {
             packet = get_send(reader);
             break;
         case PacketType::abort:
-            packet = AbortRequest{get_handle(reader)};
+            packet = get_abort(reader);
             break;
         case PacketType::filters:
             packet = get_filters(reader);
             break;
         case PacketType::listen_only:
-            packet = ListenOnlyRequest{get_flags(reader, 1) != 0};
+            packet = get_listen_only(reader);
             break;
         case PacketType::recover:
-            packet = RecoverRequest{};
+            packet = RecoverRequest{get_time(reader)};
             break;
         default:
             return std::nullopt;

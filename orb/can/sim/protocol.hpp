@@ -33,25 +33,34 @@ struct Hello {
     std::string client_name;  ///< printable ASCII, at most max_client_name
 };
 
+/// What a client asks for after its hello. `time` is when, on CLOCK_MONOTONIC: a bus that is paced
+/// by that clock lets it happen then, in the order of all clients' times, however late the daemon
+/// gets to it.
 struct SendRequest {
+    TimePoint time;
     TransmitHandle handle{};
     SendOptions options;
     Frame frame;
 };
 
 struct AbortRequest {
+    TimePoint time;
     TransmitHandle handle{};
 };
 
 struct FilterRequest {
+    TimePoint time;
     std::vector<Filter> filters;  ///< at most max_packet_filters
 };
 
 struct ListenOnlyRequest {
+    TimePoint time;
     bool on = false;
 };
 
-struct RecoverRequest {};
+struct RecoverRequest {
+    TimePoint time;
+};
 
 using ClientPacket = std::variant<Hello, SendRequest, AbortRequest, FilterRequest,
                                   ListenOnlyRequest, RecoverRequest>;

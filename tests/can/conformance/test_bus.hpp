@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <ostream>
 #include <span>
 #include <string>
 #include <vector>
@@ -33,6 +34,9 @@ struct LinkKind {
     std::function<std::unique_ptr<TestBus>(std::uint32_t bitrate)> open;
     bool keeps_to_clock;  ///< a frame takes its time on the clock of monotonic_now()
     bool has_event_fd;    ///< and may be used by several threads
+
+    /// For GoogleTest's messages.
+    friend void PrintTo(const LinkKind& kind, std::ostream* out) { *out << kind.name; }
 };
 
 /// Every link there is. A new one is added here, and nothing else.
