@@ -17,6 +17,9 @@ constexpr std::size_t max_name = 16;
 /// Events from the controller between two looks at the clock.
 constexpr int max_events_in_a_row = 256;
 
+/// Events that wait for the event loop; more are only counted.
+constexpr std::size_t max_waiting_events = 256;
+
 /// Servant calls and callbacks that one poll() runs at most.
 constexpr std::size_t max_polled = 256;
 
@@ -200,7 +203,24 @@ void OrbImpl::exchange(TimePoint now, bool serving) {
         engine_.on_event(*event, now);
     }
     engine_.on_time(now);
+    collect_notices();
     transmit(now);
+}
+
+void OrbImpl::collect_notices() {
+    while (const auto notice = engine_.next_notice()) {
+        if (const auto* sent = std::get_if<core::MessageSent>(&*notice)) {
+            if (auto callback = take_sent_callback(sent->message)) {
+                sent_.push_back(std::move(*callback));
+            }
+        } else if (const auto* dropped = std::get_if<core::MessageDropped>(&*notice)) {
+            take_sent_callback(dropped->message);
+        } else if (events_.size() < max_waiting_events) {
+            events_.push_back(describe(*notice));
+        } else {
+            engine_.count(Counter::notices_lost);
+        }
+    }
 }
 
 void OrbImpl::transmit(TimePoint now) {
@@ -230,20 +250,16 @@ void OrbImpl::refuse_nested(TimePoint now) {
 // ---- user code
 
 bool OrbImpl::run_one(Lock& lock) {
-    if (!own_events_.empty()) {
-        Event event = std::move(own_events_.front());
-        own_events_.erase(own_events_.begin());
+    if (!events_.empty()) {
+        Event event = std::move(events_.front());
+        events_.pop_front();
         report(lock, std::move(event));
         return true;
     }
-    if (!sent_locally_.empty()) {
-        const SentCallback callback = std::move(sent_locally_.front());
-        sent_locally_.erase(sent_locally_.begin());
+    if (!sent_.empty()) {
+        const SentCallback callback = std::move(sent_.front());
+        sent_.pop_front();
         run_user_code(lock, "a with_sent callback", callback);
-        return true;
-    }
-    if (const auto notice = engine_.next_notice()) {
-        handle(lock, *notice);
         return true;
     }
     if (auto request = engine_.next_request()) {
@@ -273,7 +289,7 @@ void OrbImpl::run_user_code(Lock& lock, const char* what, const std::function<vo
     lock.lock();
     --depth_;
     if (!failure.empty()) {
-        own_events_.push_back({Event::Kind::servant_exception, now(), std::move(failure)});
+        events_.push_back({Event::Kind::servant_exception, now(), std::move(failure)});
     }
     if (depth_ == 0) changed_.notify_all();
 }
@@ -352,31 +368,24 @@ void OrbImpl::serve_group(Lock& lock, const core::IncomingRequest& request) {
     message_buffers_.give_back(std::move(buffer));
 }
 
-void OrbImpl::handle(Lock& lock, const core::Notice& notice) {
-    if (const auto* sent = std::get_if<core::MessageSent>(&notice)) {
-        if (const auto callback = take_sent_callback(sent->message)) {
-            run_user_code(lock, "a with_sent callback", *callback);
-        }
-    } else if (const auto* dropped = std::get_if<core::MessageDropped>(&notice)) {
-        take_sent_callback(dropped->message);
-    } else if (const auto* seen = std::get_if<core::DuplicateNodeSeen>(&notice)) {
-        const std::string number =
-            engine_.node() ? std::to_string(engine_.node()->value()) : std::string{"?"};
-        report(lock,
-               {Event::Kind::duplicate_node, seen->time,
-                "another node on this bus uses node id " + number +
-                    ", as this one does; its frames are ignored: give one of them another id"});
-    } else if (const auto* changed = std::get_if<core::ControllerChanged>(&notice)) {
+Event OrbImpl::describe(const core::Notice& notice) const {
+    if (const auto* changed = std::get_if<core::ControllerChanged>(&notice)) {
         const can::ErrorStatus& status = changed->change.status;
-        report(lock,
-               {Event::Kind::controller_state, changed->change.time,
+        return {Event::Kind::controller_state, changed->change.time,
                 "the CAN controller is " + std::string{can::name(status.state)} + " (TEC " +
-                    std::to_string(status.tec) + ", REC " + std::to_string(status.rec) + ")"});
-    } else if (const auto* lost = std::get_if<core::LinkLostFrames>(&notice)) {
-        report(lock, {Event::Kind::frames_lost, lost->loss.time,
-                      "the link lost " + std::to_string(lost->loss.count) +
-                          " received frames; partial messages were dropped"});
+                    std::to_string(status.tec) + ", REC " + std::to_string(status.rec) + ")"};
     }
+    if (const auto* lost = std::get_if<core::LinkLostFrames>(&notice)) {
+        return {Event::Kind::frames_lost, lost->loss.time,
+                "the link lost " + std::to_string(lost->loss.count) +
+                    " received frames; partial messages were dropped"};
+    }
+    const TimePoint seen = std::get<core::DuplicateNodeSeen>(notice).time;
+    const std::string number =
+        engine_.node() ? std::to_string(engine_.node()->value()) : std::string{"?"};
+    return {Event::Kind::duplicate_node, seen,
+            "another node on this bus uses node id " + number +
+                ", as this one does; its frames are ignored: give one of them another id"};
 }
 
 void OrbImpl::report(Lock& lock, Event event) {
@@ -404,7 +413,7 @@ void OrbImpl::after_queueing(std::optional<caniop::MessageHandle> message,
         if (message) {
             sent_callbacks_.emplace_back(*message, sent);
         } else {
-            sent_locally_.push_back(sent);
+            sent_.push_back(sent);
         }
     }
     transmit(now());
@@ -427,7 +436,8 @@ core::CallResult OrbImpl::call(ObjectKey target, OperationId operation, MutableB
     const TimePoint until = deadline(timeout);
     const auto handle = engine_.call(target, operation, message, until);
     if (!handle) return handle.error();
-    after_queueing(engine_.message_of(*handle), sent);
+    const bool refused = engine_.ended(*handle);
+    after_queueing(engine_.message_of(*handle), refused ? SentCallback{} : sent);
     wait(lock, Role::caller, until, [&] { return engine_.ended(*handle); });
     if (auto result = engine_.take_result(*handle)) return std::move(*result);
     require_open();

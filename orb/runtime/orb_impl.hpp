@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <condition_variable>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <mutex>
@@ -138,6 +139,7 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     bool too_deep() const;
     TimePoint wakeup(Role role) const;
     void exchange(TimePoint now, bool serving);
+    void collect_notices();
     void transmit(TimePoint now);
     void refuse_nested(TimePoint now);
 
@@ -147,7 +149,7 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     void serve_object(Lock& lock, const core::IncomingRequest& request);
     void serve_group(Lock& lock, const core::IncomingRequest& request);
     void call_servant(Lock& lock, Servant& servant, ServerCall& call);
-    void handle(Lock& lock, const core::Notice& notice);
+    Event describe(const core::Notice& notice) const;
     void report(Lock& lock, Event event);
     void after_queueing(std::optional<caniop::MessageHandle> message, const SentCallback& sent);
     std::optional<SentCallback> take_sent_callback(caniop::MessageHandle message);
@@ -170,8 +172,8 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     core::Engine engine_;
     Timers timers_;
     std::vector<std::pair<caniop::MessageHandle, SentCallback>> sent_callbacks_;
-    std::vector<SentCallback> sent_locally_;
-    std::vector<Event> own_events_;
+    std::deque<SentCallback> sent_;  ///< to be called
+    std::deque<Event> events_;       ///< to be reported
     std::shared_ptr<const std::function<void(const Event&)>> event_callback_;
     bool closed_ = false;
     bool leading_ = false;
