@@ -30,7 +30,7 @@ class NodeA {
     };
 
     /// The first round begins at once. `orb` and `line` must outlive this object.
-    NodeA(canorb::Orb& orb, OperatorLine& line, Outputs outputs = {});
+    NodeA(canorb::Orb& orb, OperatorLine& line, Outputs outputs);
     ~NodeA();
     NodeA(const NodeA&) = delete;
     NodeA& operator=(const NodeA&) = delete;

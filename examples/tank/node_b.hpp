@@ -31,7 +31,7 @@ class NodeB {
     };
 
     /// `orb` must outlive this object.
-    explicit NodeB(canorb::Orb& orb, Outputs outputs = {});
+    NodeB(canorb::Orb& orb, Outputs outputs);
     ~NodeB();
     NodeB(const NodeB&) = delete;
     NodeB& operator=(const NodeB&) = delete;

@@ -24,6 +24,7 @@
 namespace {
 
 struct Options {
+    bool on_virtual_clock = false;
     std::string bus = "local:tank";
     std::optional<canorb::Duration> limit;
     tank::VirtualTank::Options virtual_tank;
@@ -140,11 +141,14 @@ int main(int argc, char** argv) {
     tank::set_up(app);
     Options options;
     canorb::Duration seconds{};
-    app.add_option("--bus", options.bus, "The bus to run on, live")->capture_default_str();
+    auto* const bus =
+        app.add_option("--bus", options.bus, "The bus to run on, live")->capture_default_str();
     auto* const limited = tank::add_parsed_option(app, "--seconds", seconds, tank::parse_seconds,
                                                   "Stop after so long");
     auto* const on_virtual_clock =
-        app.add_flag("--virtual", "Run on a virtual clock")->needs(limited)->excludes("--bus");
+        app.add_flag("--virtual", options.on_virtual_clock, "Run on a virtual clock")
+            ->needs(limited)
+            ->excludes(bus);
     tank::VirtualTank::Options& world = options.virtual_tank;
     for (CLI::Option* option :
          {tank::add_parsed_option(app, "--orders", world.orders, tank::parse_orders,
@@ -165,7 +169,7 @@ int main(int argc, char** argv) {
     if (limited->count() > 0) options.limit = seconds;
 
     return tank::run_program("tank", [&] {
-        if (on_virtual_clock->count() > 0) {
+        if (options.on_virtual_clock) {
             run_virtually(options);
         } else {
             run_live(options);

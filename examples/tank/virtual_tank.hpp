@@ -41,7 +41,7 @@ class VirtualTank {
         std::function<void(std::string_view)> terminal{};
     };
 
-    explicit VirtualTank(Options options = {}, Outputs outputs = {});
+    VirtualTank(Options options, Outputs outputs);
     ~VirtualTank();
 
     void run_until(canorb::Duration time);
