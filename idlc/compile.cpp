@@ -2,13 +2,13 @@
 
 #include "idlc/check/check.hpp"
 #include "idlc/lexer.hpp"
-#include "idlc/parser.hpp"
+#include "idlc/parse/parser.hpp"
 
 namespace canorb::idlc {
 
 model::Model compile(const Source& source, Diagnostics& diagnostics) {
     const auto tokens = tokenize(source, diagnostics);
-    const ast::File file = parse(tokens, diagnostics);
+    const ast::File file = parse::parse_file(tokens, diagnostics);
     // A file that does not parse would be reported a second time for what is missing from it.
     if (diagnostics.failed()) return {};
     return check::build_model(file, source, diagnostics);

@@ -52,11 +52,31 @@ std::string caret(const Position& position) {
     return line + '^';
 }
 
+/// In the order of the source, notes behind what they belong to: each stage goes through the
+/// source from its beginning.
+std::vector<const Diagnostic*> sorted(const std::vector<Diagnostic>& diagnostics) {
+    struct Entry {
+        Location group;
+        const Diagnostic* diagnostic;
+    };
+    std::vector<Entry> entries;
+    for (const Diagnostic& diagnostic : diagnostics) {
+        const bool is_note = diagnostic.severity == Severity::note && !entries.empty();
+        entries.push_back({is_note ? entries.back().group : diagnostic.where, &diagnostic});
+    }
+    std::stable_sort(entries.begin(), entries.end(),
+                     [](const Entry& a, const Entry& b) { return a.group < b.group; });
+    std::vector<const Diagnostic*> result;
+    for (const Entry& entry : entries) result.push_back(entry.diagnostic);
+    return result;
+}
+
 }  // namespace
 
 std::string format(const Diagnostics& diagnostics, const Source& source) {
     std::string text;
-    for (const Diagnostic& diagnostic : diagnostics.all()) {
+    for (const Diagnostic* entry : sorted(diagnostics.all())) {
+        const Diagnostic& diagnostic = *entry;
         const Position position = source.position(diagnostic.where);
         text += position.file + ':' + std::to_string(position.line) + ':' +
                 std::to_string(position.column) + ": ";

@@ -188,15 +188,44 @@ class Lexer {
             ++at_;
             return lex_quoted();
         }
-        if (is_letter(c) || c == '_') return lex_word();
+        const bool foreign_name = c == '\\' && (peek(1) == 'u' || peek(1) == 'U');
+        if (is_letter(c) || c == '_' || foreign_name || static_cast<unsigned char>(c) >= 0x80) {
+            return lex_word();
+        }
         if (is_digit(c) || (c == '.' && is_digit(peek(1)))) return lex_number();
         if (c == '"' || c == '\'') return lex_quoted();
         lex_punctuation();
     }
 
+    /// Goes behind a letter that is not ASCII, as it is or as the preprocessor writes it,
+    /// \U000000f6; false where there is none.
+    bool skip_foreign_letter() {
+        if (static_cast<unsigned char>(peek()) >= 0x80) {
+            ++at_;
+            return true;
+        }
+        if (peek() != '\\' || (peek(1) != 'u' && peek(1) != 'U')) return false;
+        at_ += 2;
+        while (is_hex(peek())) ++at_;
+        return true;
+    }
+
     void lex_word() {
         const std::size_t begin = at_;
-        while (is_word(peek())) ++at_;
+        bool foreign = false;
+        while (true) {
+            if (is_word(peek())) {
+                ++at_;
+            } else if (skip_foreign_letter()) {
+                foreign = true;
+            } else {
+                break;
+            }
+        }
+        if (foreign) {
+            diagnostics_.error(location(begin),
+                               "names have letters of English, digits and underscores only");
+        }
         const std::string_view word = text_.substr(begin, at_ - begin);
         if (word.starts_with('_')) {
             add(TokenKind::identifier, begin);
@@ -314,8 +343,6 @@ class Lexer {
         diagnostics_.error(location(begin),
                            printable ? "'" + std::string(1, c) + "' has no meaning in IDL"
                                      : std::string{"this octet has no meaning in IDL"});
-        // One message for a whole run of them.
-        while (at_ < text_.size() && static_cast<unsigned char>(text_[at_]) >= 127) ++at_;
     }
 
     std::string_view text_;

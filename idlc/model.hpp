@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -64,6 +65,8 @@ struct Module {
 struct EnumeratorValue {
     const Definition* enumeration;
     std::size_t index;
+
+    friend bool operator==(const EnumeratorValue&, const EnumeratorValue&) = default;
 };
 
 using Value =
