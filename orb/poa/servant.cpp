@@ -42,9 +42,13 @@ void dispatch(Servant& servant, ServerCall& call) {
         default:
             break;
     }
+    const bool to_group = call.is_oneway();
     // What lies above belongs to the ORB, whatever a servant makes of it.
     if (call.operation() <= highest_user_operation) servant._dispatch(call);
-    if (call.outcome() == ServerCall::Outcome::none && !call.is_oneway()) {
+    // A oneway operation has no answer; where the servant did not say itself that it is one,
+    // only an unknown operation leaves the parameters alone.
+    const bool done = call.is_oneway() && (!to_group || call.was_read());
+    if (call.outcome() == ServerCall::Outcome::none && !done) {
         call.fail({SystemErrorKind::bad_operation, Completion::no});
     }
 }

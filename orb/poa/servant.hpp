@@ -38,6 +38,7 @@ class ServerCall {
     /// answer MARSHAL is then in place and the skeleton returns.
     template <typename... T>
     [[nodiscard]] bool read(T&&... parameters) {
+        was_read_ = true;
         (decode(in_, parameters), ...);
         if (in_.finished()) return true;
         fail({SystemErrorKind::marshal, Completion::no});
@@ -68,6 +69,8 @@ class ServerCall {
     void fail(const SystemError& error);
 
     bool is_oneway() const { return oneway_; }
+    /// Whether anybody looked at the parameters, even where there are none.
+    bool was_read() const { return was_read_; }
     Outcome outcome() const { return outcome_; }
     /// The reply's body; empty where outcome() is system_exception.
     Bytes body() const { return out_.octets(); }
@@ -75,7 +78,10 @@ class ServerCall {
 
     /// The parameters as octets, for what reads them without generated code. They stay valid
     /// until the call is answered.
-    Bytes remaining_parameters() { return in_.octets(in_.remaining()); }
+    Bytes remaining_parameters() {
+        was_read_ = true;
+        return in_.octets(in_.remaining());
+    }
 
   private:
     void begin(Outcome outcome);
@@ -83,6 +89,7 @@ class ServerCall {
 
     OperationId operation_;
     bool oneway_ = false;
+    bool was_read_ = false;
     Outcome outcome_ = Outcome::none;
     ccdr::Decoder in_;
     MutableBytes reply_buffer_;
