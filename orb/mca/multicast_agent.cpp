@@ -5,17 +5,20 @@
 namespace canorb::mca {
 namespace {
 
-/// The most derived of `interface` and its bases that all members have; null where there is none.
+/// The most derived of `best`, `interface` and its bases that all members have; of several that
+/// derive from none of the others the first in declaration order. Null where there is none.
 const InterfaceInfo* most_derived_common(const InterfaceInfo& interface,
-                                         std::span<const Member> members) {
+                                         std::span<const Member> members,
+                                         const InterfaceInfo* best = nullptr) {
+    if (interface.repository_id == corba_object_id) return best;
     const bool common = std::all_of(members.begin(), members.end(), [&](const Member& member) {
         return member.interface->is_a(interface.repository_id);
     });
-    if (common) return &interface;
-    const InterfaceInfo* best = nullptr;
+    if (common) {
+        return best == nullptr || interface.is_a(best->repository_id) ? &interface : best;
+    }
     for (const InterfaceInfo* base : interface.bases) {
-        const InterfaceInfo* found = most_derived_common(*base, members);
-        if (found != nullptr && (best == nullptr || found->is_a(best->repository_id))) best = found;
+        best = most_derived_common(*base, members, best);
     }
     return best;
 }
