@@ -33,7 +33,7 @@ enum class Counter : std::uint8_t {
     short_frames,                   ///< a frame that is not the last was not full; dropped
     reassembly_timeouts,            ///< a partial message got no frame for the inter-frame timeout
     reassemblies_evicted,           ///< the oldest partial message gave way to a new one
-    partials_lost_with_frames,      ///< partial messages dropped because the link lost frames
+    partials_lost_with_frames,      ///< partial messages dropped: frames lost, or off the bus
     frames_lost_by_link,            ///< frames that the link reported as lost
     oversize_messages,              ///< messages above the receiver's limit, skipped
 

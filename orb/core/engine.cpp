@@ -12,6 +12,8 @@ constexpr std::size_t notice_capacity = 256;
 constexpr std::size_t standard_identifiers = 2048;
 constexpr Duration duplicate_notice_interval = std::chrono::seconds{1};
 
+constexpr SystemError too_long{SystemErrorKind::imp_limit, Completion::no};
+
 constexpr SystemError comm_failure(Completion completion) {
     return {SystemErrorKind::comm_failure, completion};
 }
@@ -33,25 +35,36 @@ Engine::Engine(const EngineOptions& options)
       last_request_ids_(standard_identifiers) {}
 
 void Engine::set_node(std::optional<NodeId> node) {
+    if (node == options_.node) return;
     options_.node = node;
     filters_changed_ = true;
+    last_duplicate_notice_.reset();  // it was about the other number
 }
 
 bool Engine::join(GroupId group, const mca::Member& member) {
+    const std::size_t groups = agent_.groups().size();
     const bool joined = agent_.join(group, member);
-    filters_changed_ = true;
+    note_groups(groups);
     return joined;
 }
 
 void Engine::leave(GroupId group, ObjectIndex index) {
+    const std::size_t groups = agent_.groups().size();
     agent_.leave(group, index);
-    filters_changed_ = true;
+    note_groups(groups);
 }
 
 bool Engine::deactivate(ObjectIndex index) {
+    const std::size_t groups = agent_.groups().size();
     agent_.leave_all(index);
-    filters_changed_ = true;
+    note_groups(groups);
     return adapter_.deactivate(index);
+}
+
+// One change only ever adds groups or only takes some away, so their number tells. Filters are not
+// touched without need: a controller may miss frames while it takes new ones.
+void Engine::note_groups(std::size_t groups_before) {
+    if (agent_.groups().size() != groups_before) filters_changed_ = true;
 }
 
 // ---- calls out
@@ -85,6 +98,7 @@ Result<CallHandle, SystemError> Engine::call(ObjectKey target, OperationId opera
                                              MutableBytes message, TimePoint deadline) {
     const bool own = is_own(target);
     if (const auto error = own ? std::nullopt : obstacle()) return Failure{*error};
+    if (message.size() > giop::max_message) return Failure{too_long};
     OutstandingCalls::Call* call = calls_.open(deadline);
     if (call == nullptr) {
         return Failure{SystemError{SystemErrorKind::no_resources, Completion::no}};
@@ -95,7 +109,8 @@ Result<CallHandle, SystemError> Engine::call(ObjectKey target, OperationId opera
         request.object = target.index();
         request.operation = operation;
         if (!queue_local(std::move(request), message.subspan(giop::request_header_size))) {
-            calls_.end(*call, SystemError{SystemErrorKind::transient, Completion::no});
+            calls_.discard(*call);
+            return Failure{SystemError{SystemErrorKind::transient, Completion::no}};
         }
         return call->handle;
     }
@@ -105,16 +120,17 @@ Result<CallHandle, SystemError> Engine::call(ObjectKey target, OperationId opera
                                message.size() - giop::request_header_size);
     const auto queued =
         enqueue(caniop::Identifier::to_node(target.node(), *options_.node), message, deadline);
-    if (queued) {
-        call->message = *queued;
-    } else {
-        calls_.end(*call, queued.error());
+    if (!queued) {
+        calls_.discard(*call);
+        return Failure{queued.error()};
     }
+    call->message = *queued;
     return call->handle;
 }
 
 Engine::Sent Engine::send(ObjectKey target, OperationId operation, MutableBytes message,
                           TimePoint deadline) {
+    if (message.size() > giop::max_message) return Failure{too_long};
     if (is_own(target)) {
         IncomingRequest request;
         request.object = target.index();
@@ -136,6 +152,7 @@ Engine::Sent Engine::send(ObjectKey target, OperationId operation, MutableBytes 
 Engine::Sent Engine::multicast(GroupId group, std::uint16_t interface_key, OperationId operation,
                                MutableBytes message, TimePoint deadline) {
     if (const auto error = obstacle()) return Failure{*error};
+    if (message.size() > giop::max_message) return Failure{too_long};
     // Before anything is sent: a call that fails must not have reached some of the members.
     if (agent_.has_members(group) && incoming_.full()) {
         return Failure{SystemError{SystemErrorKind::transient, Completion::no}};
@@ -150,7 +167,9 @@ Engine::Sent Engine::multicast(GroupId group, std::uint16_t interface_key, Opera
         request.group = group;
         request.interface_key = interface_key;
         request.operation = operation;
-        queue_local(std::move(request), message.subspan(giop::request_header_size));
+        if (!queue_local(std::move(request), message.subspan(giop::request_header_size))) {
+            counters_.add(Counter::group_requests_dropped);
+        }
     }
     return std::optional{*queued};
 }
@@ -171,8 +190,7 @@ std::optional<IncomingRequest> Engine::next_request() {
     while (auto request = incoming_.pop()) {
         const auto* local = std::get_if<LocalCaller>(&request->answer_to);
         if (local == nullptr) return request;
-        OutstandingCalls::Call* call = calls_.find(local->call);
-        if (call != nullptr && call->state == OutstandingCalls::Call::State::waiting) {
+        if (OutstandingCalls::Call* call = calls_.find_waiting(local->call)) {
             call->begun = true;
             return request;
         }
@@ -184,14 +202,15 @@ std::optional<IncomingRequest> Engine::next_request() {
 
 void Engine::answer(const AnswerTo& to, giop::ReplyStatus status, MutableBytes message,
                     TimePoint now) {
-    if (const auto* local = std::get_if<LocalCaller>(&to)) {
-        OutstandingCalls::Call* call = calls_.find(local->call);
-        if (call == nullptr || call->state != OutstandingCalls::Call::State::waiting) {
+    if (message.size() > giop::max_message) {
+        refuse(to, {SystemErrorKind::imp_limit, Completion::yes}, now);
+    } else if (const auto* local = std::get_if<LocalCaller>(&to)) {
+        if (OutstandingCalls::Call* call = calls_.find_waiting(local->call)) {
+            const Bytes body = message.subspan(giop::reply_header_size);
+            calls_.end(*call, CallAnswer{status, buffers_.copy_of(body)});
+        } else {
             counters_.add(Counter::unmatched_replies);
-            return;
         }
-        calls_.end(*call,
-                   CallAnswer{status, buffers_.copy_of(message.subspan(giop::reply_header_size))});
     } else if (const auto* remote = std::get_if<RemoteCaller>(&to)) {
         giop::write_reply_header(message.first<giop::reply_header_size>(), remote->request_id,
                                  status, message.size() - giop::reply_header_size);
@@ -205,9 +224,10 @@ void Engine::answer(const AnswerTo& to, giop::ReplyStatus status, MutableBytes m
 
 void Engine::refuse(const AnswerTo& to, const SystemError& error, TimePoint now) {
     if (const auto* local = std::get_if<LocalCaller>(&to)) {
-        OutstandingCalls::Call* call = calls_.find(local->call);
-        if (call != nullptr && call->state == OutstandingCalls::Call::State::waiting) {
+        if (OutstandingCalls::Call* call = calls_.find_waiting(local->call)) {
             calls_.end(*call, error);
+        } else {
+            counters_.add(Counter::unmatched_replies);
         }
         return;
     }
@@ -240,6 +260,7 @@ void Engine::on_state(const can::StateChanged& change, TimePoint now) {
     link_down_ = change.status.state == can::ControllerState::bus_off ||
                  change.status.state == can::ControllerState::stopped;
     if (link_down_) {
+        reassembler_.drop_all();  // what the bus carries meanwhile is lost here
         queue_.fail_all(now);
         collect_finished();
         fail_calls(std::nullopt, comm_failure(Completion::maybe));
@@ -359,15 +380,16 @@ void Engine::on_message_error(NodeId peer) {
 }
 
 void Engine::on_oversize(const caniop::Oversize& message, TimePoint now) {
-    const SystemError imp_limit{SystemErrorKind::imp_limit, Completion::no};
     const NodeId peer{message.from.sender};
     if (!message.from.peer_to_peer) return;  // counted by the reassembler, and nobody to tell
     if (const auto request = giop::parse_request_header(message.first_frame)) {
         if (is_duplicate(message.from, request->id)) return;
         counters_.add(Counter::requests_refused);
-        refuse(RemoteCaller{peer, request->id}, imp_limit, now);
-    } else if (const auto reply = giop::parse_reply_header(message.first_frame)) {
-        if (auto* call = calls_.find_waiting(peer, reply->id)) {
+        refuse(RemoteCaller{peer, request->id}, too_long, now);
+    } else {
+        // A Reply, whatever its status is. Only a MessageError is shorter, and never too long.
+        const RequestId id = read_be16(message.first_frame.data() + giop::request_id_offset);
+        if (auto* call = calls_.find_waiting(peer, id)) {
             calls_.end(*call, SystemError{SystemErrorKind::imp_limit, Completion::yes});
         } else {
             counters_.add(Counter::unmatched_replies);
@@ -404,17 +426,16 @@ std::optional<caniop::FilterSet> Engine::take_filters(const can::Capabilities& c
 // ---- time
 
 void Engine::on_time(TimePoint now) {
+    // First, the messages not begun: their deadline is their call's, which ends with NO.
+    queue_.expire(now);
+    collect_finished();
     calls_.for_each_waiting([&](OutstandingCalls::Call& call) {
         if (call.deadline > now) return;
-        const bool not_begun =
-            call.message ? queue_.withdraw(*call.message) : !call.peer && !call.begun;
-        if (not_begun && call.message) notify(MessageDropped{*call.message});
+        const bool not_begun = !call.peer && !call.begun;
         counters_.add(Counter::calls_timed_out);
         calls_.end(call, SystemError{SystemErrorKind::timeout,
                                      not_begun ? Completion::no : Completion::maybe});
     });
-    queue_.expire(now);
-    collect_finished();
 }
 
 TimePoint Engine::next_deadline() const {

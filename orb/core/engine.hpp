@@ -31,6 +31,8 @@ struct EngineOptions {
     std::optional<NodeId> node;
     /// How long answers and refusals may wait in the transmit queue.
     Duration answer_lifetime = std::chrono::seconds{1};
+    /// Two-way calls that wait for their end, or whose end was not yet fetched. Fewer than there
+    /// are request ids.
     std::size_t max_outstanding_calls = 64;
     /// Requests that wait for a servant; a two-way one beyond is answered TRANSIENT.
     std::size_t max_incoming_requests = 64;
@@ -118,6 +120,10 @@ class Engine {
 
     // ---- calls out. `message` has the octets of a Request, with giop::request_header_size octets
     // reserved in front of the parameters; the engine writes the header and copies the message.
+    // Targets have valid numbers. An error, completion NO, tells that nothing was queued:
+    // BAD_INV_ORDER without a node number, COMM_FAILURE while the link is down, NO_RESOURCES for
+    // a full transmit queue or too many outstanding calls, TRANSIENT for too many Requests waiting
+    // for servants of this node, IMP_LIMIT for a message that is too long.
 
     /// A two-way call. Its end is fetched with take_result().
     Result<CallHandle, SystemError> call(ObjectKey target, OperationId operation,
@@ -148,7 +154,7 @@ class Engine {
     /// Whether next_request() has something to give.
     bool has_request() const { return !incoming_.empty(); }
     /// Answers a Request. `message` has giop::reply_header_size octets reserved in front of the
-    /// body. With NoAnswer it does nothing.
+    /// body; one that is too long becomes IMP_LIMIT, YES. With NoAnswer it does nothing.
     void answer(const AnswerTo& to, giop::ReplyStatus status, MutableBytes message, TimePoint now);
     void refuse(const AnswerTo& to, const SystemError& error, TimePoint now);
 
@@ -180,7 +186,7 @@ class Engine {
     /// Why nothing can be sent now, if so.
     std::optional<SystemError> obstacle() const;
     bool is_own(ObjectKey target) const { return options_.node == target.node(); }
-    bool queue_local(IncomingRequest request, Bytes parameters);
+    [[nodiscard]] bool queue_local(IncomingRequest request, Bytes parameters);
     Result<caniop::MessageHandle, SystemError> enqueue(caniop::Identifier to, Bytes message,
                                                        TimePoint deadline);
 
@@ -195,6 +201,7 @@ class Engine {
     void on_state(const can::StateChanged& change, TimePoint now);
     bool is_duplicate(caniop::Identifier from, RequestId id);
     void fail_calls(std::optional<NodeId> peer, const SystemError& error);
+    void note_groups(std::size_t groups_before);
     void collect_finished();
     void notify(Notice notice);
 

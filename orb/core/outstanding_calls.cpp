@@ -29,6 +29,11 @@ OutstandingCalls::Call* OutstandingCalls::find(CallHandle handle) {
     return nullptr;
 }
 
+OutstandingCalls::Call* OutstandingCalls::find_waiting(CallHandle handle) {
+    Call* call = find(handle);
+    return call != nullptr && call->state == Call::State::waiting ? call : nullptr;
+}
+
 OutstandingCalls::Call* OutstandingCalls::find_waiting(NodeId peer, RequestId id) {
     for (Call& call : calls_) {
         if (call.state == Call::State::waiting && call.peer == peer && call.request_id == id) {

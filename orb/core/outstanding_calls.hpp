@@ -51,10 +51,13 @@ class OutstandingCalls {
     bool has_request_id(RequestId id) const;
 
     Call* find(CallHandle handle);
+    Call* find_waiting(CallHandle handle);
     Call* find_waiting(NodeId peer, RequestId id);
     Call* find_waiting(caniop::MessageHandle message);
 
     void end(Call& call, CallResult result);
+    /// Forgets a call that could not even be begun.
+    void discard(Call& call) { call.state = Call::State::free; }
     /// Takes the result of an ended call and forgets it; nothing while it waits. A call that is
     /// unknown is INTERNAL.
     std::optional<CallResult> take(CallHandle handle);
