@@ -7,7 +7,7 @@ namespace canorb::can::sim {
 
 /// A controller on a FrameBus, for one thread: the one that advances the bus. It acts at the bus's
 /// now() and has no event_fd(). The bus must outlive it.
-class Controller final : public can::Controller {
+class Controller : public can::Controller {
   public:
     explicit Controller(FrameBus& bus, const NodeOptions& options = {});
     ~Controller() override;

@@ -176,8 +176,9 @@ void put(Packet& packet, const ListenOnlyRequest& request) {
     packet.put8(request.on ? 1 : 0);
 }
 
-void put(Packet& packet, const RecoverRequest&) {
+void put(Packet& packet, const RecoverRequest& request) {
     put(packet, PacketType::recover);
+    put(packet, request.time);
 }
 
 void put(Packet& packet, const Welcome& welcome) {

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "orb/can/sim/controller.hpp"
+#include "orb/can/sim/frame_bus.hpp"
+#include "tests/support/octets.hpp"
+
+namespace canorb::can::sim::test {
+
+using namespace std::chrono_literals;
+
+inline constexpr std::array<Filter, 2> everything{Filter{0, 0, false}, Filter{0, 0, true}};
+
+inline Frame standard(std::uint32_t id, std::string_view data = "") {
+    return Frame::standard(id, canorb::test::octets(data));
+}
+
+/// A node that accepts everything.
+class TestNode : public Controller {
+  public:
+    explicit TestNode(FrameBus& bus, const NodeOptions& options = {}) : Controller(bus, options) {
+        EXPECT_TRUE(set_filters(everything));
+    }
+
+    TransmitHandle must_send(const Frame& frame, SendOptions options = {}) {
+        const SendResult result = send(frame, options);
+        EXPECT_TRUE(std::holds_alternative<TransmitHandle>(result));
+        const auto* handle = std::get_if<TransmitHandle>(&result);
+        return handle != nullptr ? *handle : TransmitHandle{};
+    }
+
+    /// Takes all events and sorts them.
+    void drain() {
+        while (const auto event = poll()) {
+            if (const auto* frame = std::get_if<Received>(&*event)) received.push_back(*frame);
+            if (const auto* done = std::get_if<TransmitResult>(&*event)) results.push_back(*done);
+            if (const auto* change = std::get_if<StateChanged>(&*event)) states.push_back(*change);
+            if (const auto* loss = std::get_if<FramesLost>(&*event)) lost += loss->count;
+        }
+    }
+
+    std::vector<std::uint32_t> received_ids() {
+        drain();
+        std::vector<std::uint32_t> ids;
+        for (const Received& each : received) ids.push_back(each.frame.id);
+        return ids;
+    }
+
+    std::vector<Received> received;
+    std::vector<TransmitResult> results;
+    std::vector<StateChanged> states;
+    std::uint64_t lost = 0;
+};
+
+inline TimePoint at(Duration since_start) {
+    return TimePoint{} + since_start;
+}
+
+/// Bit times at 500 kbit/s.
+inline Duration bits(std::int64_t count) {
+    return count * 2us;
+}
+
+inline void run_until_quiet(FrameBus& bus) {
+    while (bus.advance_one()) {
+    }
+}
+
+}  // namespace canorb::can::sim::test
