@@ -58,7 +58,7 @@ OrbOptions checked(OrbOptions options) {
     return options;
 }
 
-core::EngineOptions engine_options(const OrbOptions& options) {
+core::EngineOptions engine_options(const OrbOptions& options, Simulation* simulation) {
     core::EngineOptions engine;
     if (options.node) engine.node = NodeId::from(*options.node);
     engine.answer_lifetime = options.default_timeout;
@@ -69,7 +69,9 @@ core::EngineOptions engine_options(const OrbOptions& options) {
     engine.transmit.frames_in_controller = options.frames_in_controller;
     engine.transmit.inter_frame_timeout = options.inter_frame_timeout;
     engine.transmit.continuation_gap = options.continuation_gap;
-    engine.first_request_id = static_cast<RequestId>(std::random_device{}());
+    engine.first_request_id = simulation != nullptr
+                                  ? simulation->impl().first_request_id()
+                                  : static_cast<RequestId>(std::random_device{}());
     return engine;
 }
 
@@ -86,7 +88,7 @@ OrbImpl::OrbImpl(Bus& bus, OrbOptions options)
     : bus_(bus),
       options_(checked(std::move(options))),
       controller_(bus.attach(options_.name)),
-      engine_(engine_options(options_)) {
+      engine_(engine_options(options_, bus_.simulation())) {
     const can::ErrorStatus status = controller_->error_status();
     if (status.state != can::ControllerState::error_active) {
         engine_.on_event(can::StateChanged{status, now()}, now());

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <memory>
+#include <random>
 #include <vector>
 
 #include "canorb/simulation.hpp"
@@ -39,6 +40,9 @@ class Simulation::Impl {
     TimePoint now() const { return now_; }
     runtime::Timers& timers() { return timers_; }
 
+    /// Where a new ORB begins to count: as good as random, and the same in every run.
+    RequestId first_request_id() { return static_cast<RequestId>(request_ids_()); }
+
     /// Does the next thing that is due by `limit`. False: nothing is, and now() is `limit`.
     bool step(TimePoint limit);
 
@@ -49,6 +53,7 @@ class Simulation::Impl {
     void move_to(TimePoint time);
 
     TimePoint now_{};
+    std::mt19937 request_ids_;
     runtime::Timers timers_;
     std::vector<std::unique_ptr<BusImpl>> buses_;
     std::vector<runtime::SimulatedOrb*> orbs_;
