@@ -120,8 +120,8 @@ const Symbol* resolve(Scope& scope, const ast::ScopedName& name, std::string_vie
         // `attribute State state` and its like are at ease with each other: what is sought is never
         // an operation or a member.
         std::erase_if(found, [&](const Symbol* symbol) {
-            const bool other = symbol->kind == Symbol::Kind::operation ||
-                               symbol->kind == Symbol::Kind::other;
+            const bool other =
+                symbol->kind == Symbol::Kind::operation || symbol->kind == Symbol::Kind::other;
             return other && symbol->name != name.parts.front().text;
         });
     }
