@@ -70,7 +70,7 @@ void Orb::run() {
     impl_->run_until(never);
 }
 bool Orb::run_for(Duration duration) {
-    return impl_->run_until(now() + duration);
+    return impl_->run_until(impl_->after(duration));
 }
 void Orb::poll() {
     impl_->poll();
@@ -89,7 +89,7 @@ TimerId Orb::at(TimePoint time, std::function<void()> callback) {
 
 TimerId Orb::every(Duration period, std::function<void()> callback) {
     if (period <= Duration::zero()) throw BAD_PARAM("a period must be greater than 0");
-    return impl_->add_timer(now() + period, period, std::move(callback));
+    return impl_->add_timer(impl_->after(period), period, std::move(callback));
 }
 
 void Orb::cancel(TimerId timer) {

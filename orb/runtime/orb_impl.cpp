@@ -23,6 +23,10 @@ constexpr std::size_t max_waiting_events = 256;
 /// Servant calls and callbacks that one poll() runs at most.
 constexpr std::size_t max_polled = 256;
 
+std::string in_words(Duration duration) {
+    return std::to_string(duration.count()) + " ns";
+}
+
 OrbOptions checked(OrbOptions options) {
     if (options.node && !NodeId::from(*options.node)) {
         throw BAD_PARAM("node " + std::to_string(*options.node) + " is not 0 to 30");
@@ -34,21 +38,28 @@ OrbOptions checked(OrbOptions options) {
         options.name = options.node ? "node-" + std::to_string(*options.node) : "node";
     }
     if (options.default_timeout <= Duration::zero()) {
-        throw BAD_PARAM("default_timeout must be greater than 0");
+        throw BAD_PARAM("default_timeout " + in_words(options.default_timeout) +
+                        " is not greater than 0");
     }
     if (options.max_message < giop::request_header_size ||
         options.max_message > giop::max_message) {
-        throw BAD_PARAM("max_message must be 8 to 65538 octets");
+        throw BAD_PARAM("max_message " + std::to_string(options.max_message) +
+                        " is not 8 to 65538 octets");
     }
     if (options.max_queued_messages == 0 || options.max_outstanding_calls == 0 ||
         options.frames_in_controller == 0) {
         throw BAD_PARAM(
             "max_queued_messages, max_outstanding_calls and frames_in_controller must not be 0");
     }
-    if (options.inter_frame_timeout <= Duration::zero() ||
-        options.continuation_gap < Duration::zero() ||
+    if (options.inter_frame_timeout <= Duration::zero()) {
+        throw BAD_PARAM("inter_frame_timeout " + in_words(options.inter_frame_timeout) +
+                        " is not greater than 0");
+    }
+    if (options.continuation_gap < Duration::zero() ||
         options.continuation_gap >= options.inter_frame_timeout / 2) {
-        throw BAD_PARAM("continuation_gap must be less than half of inter_frame_timeout");
+        throw BAD_PARAM("continuation_gap " + in_words(options.continuation_gap) +
+                        " is not from 0 to less than half of inter_frame_timeout " +
+                        in_words(options.inter_frame_timeout));
     }
     if (!options.log) {
         options.log = [](std::string_view line) {
@@ -112,8 +123,16 @@ void OrbImpl::close() {
     changed_.notify_all();
     changed_.wait(lock, [&] { return waiting_ == 0; });
     if (Simulation* simulation = bus_.simulation()) simulation->impl().remove(*this);
-    // References may keep this object alive, but nothing on the bus may.
-    const std::unique_ptr<can::Controller> gone = std::move(controller_);
+    // References may keep this object alive, but nothing on the bus may; and callbacks, which may
+    // hold references, must not keep it alive for ever. What they hold may call this ORB while it
+    // goes, so that they go without the mutex.
+    const std::unique_ptr<can::Controller> controller = std::move(controller_);
+    const Timers timers = std::exchange(timers_, Timers{});
+    const auto waiting_for_sent = std::exchange(sent_callbacks_, {});
+    const auto sent = std::exchange(sent_, {});
+    const auto unsent = std::exchange(unsent_, {});
+    const auto event_callback = std::exchange(event_callback_, nullptr);
+    lock.unlock();
 }
 
 // ---- waiting
@@ -136,8 +155,11 @@ bool OrbImpl::wait(Lock& lock, Role role, TimePoint deadline, Done done) {
     bool is_done = false;
     for (;;) {
         const TimePoint time = now();
-        exchange(time, may_run(role));
+        // What came may be another thread's, who cannot see it any more where it sleeps.
+        if (exchange(time, may_run(role))) wake();
         is_done = done();
+        // A caller that runs no event loop learns that its call was sent before it returns.
+        if (is_done && role == Role::caller && may_run(role) && run_sent(lock)) continue;
         if (is_done || closed_ || time >= deadline) break;
         if (too_deep()) refuse_nested(time);
         if (may_run(role) && run_one(lock)) continue;
@@ -153,7 +175,7 @@ bool OrbImpl::wait(Lock& lock, Role role, TimePoint deadline, Done done) {
     --waiting_;
     if (role == Role::loop) --loops_;
     // Somebody else must lead now, and what this thread left is perhaps theirs to run.
-    changed_.notify_all();
+    wake();
     return is_done;
 }
 
@@ -177,7 +199,7 @@ void OrbImpl::lead(Lock& lock, TimePoint until) {
 
 void OrbImpl::wake() {
     if (leading_) wake_signal_.raise();
-    if (waiting_ > 0) changed_.notify_all();
+    changed_.notify_all();
 }
 
 bool OrbImpl::may_run(Role role) const {
@@ -195,7 +217,8 @@ TimePoint OrbImpl::wakeup(Role role) const {
     return may_run(role) ? std::min(engine, timers_.next()) : engine;
 }
 
-void OrbImpl::exchange(TimePoint now, bool serving) {
+bool OrbImpl::exchange(TimePoint now, bool serving) {
+    bool any = false;
     for (int i = 0; i < max_events_in_a_row; ++i) {
         // Requests are served as they come, so that a burst of them waits in the controller's
         // receive queue and not in ours.
@@ -203,10 +226,12 @@ void OrbImpl::exchange(TimePoint now, bool serving) {
         const auto event = controller_->poll();
         if (!event) break;
         engine_.on_event(*event, now);
+        any = true;
     }
     engine_.on_time(now);
     collect_notices();
     transmit(now);
+    return any;
 }
 
 void OrbImpl::collect_notices() {
@@ -216,20 +241,29 @@ void OrbImpl::collect_notices() {
                 sent_.push_back(std::move(*callback));
             }
         } else if (const auto* dropped = std::get_if<core::MessageDropped>(&*notice)) {
-            take_sent_callback(dropped->message);
-        } else if (events_.size() < max_waiting_events) {
-            events_.push_back(describe(*notice));
+            if (auto callback = take_sent_callback(dropped->message)) {
+                unsent_.push_back(std::move(*callback));
+            }
         } else {
-            engine_.count(Counter::notices_lost);
+            add_event(describe(*notice));
         }
+    }
+}
+
+void OrbImpl::add_event(Event event) {
+    if (events_.size() < max_waiting_events) {
+        events_.push_back(std::move(event));
+    } else {
+        engine_.count(Counter::notices_lost);
     }
 }
 
 void OrbImpl::transmit(TimePoint now) {
     if (const auto filters = engine_.take_filters(controller_->capabilities())) {
         if (!controller_->set_filters(filters->span())) {
-            options_.log(options_.name + ": the controller has no room for " +
-                         std::to_string(filters->size()) + " acceptance filters");
+            add_event({Event::Kind::controller_state, now,
+                       "the CAN controller has no room for " + std::to_string(filters->size()) +
+                           " acceptance filters: this node may not hear all of its groups"});
         }
     }
     while (const auto frame = engine_.next_abort()) controller_->abort(*frame);
@@ -243,7 +277,7 @@ void OrbImpl::transmit(TimePoint now) {
 
 void OrbImpl::refuse_nested(TimePoint now) {
     while (auto request = engine_.next_request()) {
-        engine_.count(Counter::requests_refused);
+        engine_.count(request->group ? Counter::group_requests_dropped : Counter::requests_refused);
         engine_.refuse(request->answer_to, {SystemErrorKind::transient, Completion::no}, now);
         engine_.buffers().release(std::move(request->parameters));
     }
@@ -252,31 +286,43 @@ void OrbImpl::refuse_nested(TimePoint now) {
 // ---- user code
 
 bool OrbImpl::run_one(Lock& lock) {
+    if (!unsent_.empty()) {
+        // What a callback holds may call this ORB when it goes.
+        auto unsent = std::exchange(unsent_, {});
+        run_user_code(lock, [&] { unsent.clear(); });
+        return true;
+    }
     if (!events_.empty()) {
         Event event = std::move(events_.front());
         events_.pop_front();
         report(lock, std::move(event));
         return true;
     }
-    if (!sent_.empty()) {
-        const SentCallback callback = std::move(sent_.front());
-        sent_.pop_front();
-        run_user_code(lock, "a with_sent callback", callback);
-        return true;
-    }
+    if (run_sent(lock)) return true;
     if (auto request = engine_.next_request()) {
         serve(lock, std::move(*request));
         return true;
     }
-    if (bus_.simulation() != nullptr) return false;  // it runs timers itself, in its order
-    if (const auto callback = timers_.take_due(now())) {
-        run_user_code(lock, "a timer", *callback);
-        return true;
-    }
-    return false;
+    // A simulation runs timers itself, in its order.
+    return bus_.simulation() == nullptr && run_timer(lock);
 }
 
-void OrbImpl::run_user_code(Lock& lock, const char* what, const std::function<void()>& code) {
+bool OrbImpl::run_sent(Lock& lock) {
+    if (sent_.empty()) return false;
+    SentCallback callback = std::move(sent_.front());
+    sent_.pop_front();
+    report_failure("a with_sent callback", run_user_code(lock, std::move(callback)));
+    return true;
+}
+
+bool OrbImpl::run_timer(Lock& lock) {
+    auto callback = timers_.take_due(now());
+    if (!callback) return false;
+    report_failure("a timer", run_user_code(lock, [timer = std::move(callback)] { (*timer)(); }));
+    return true;
+}
+
+std::string OrbImpl::run_user_code(Lock& lock, std::function<void()> code) {
     serving_thread_ = std::this_thread::get_id();
     ++depth_;
     lock.unlock();
@@ -284,16 +330,21 @@ void OrbImpl::run_user_code(Lock& lock, const char* what, const std::function<vo
     try {
         code();
     } catch (const std::exception& exception) {
-        failure = std::string{what} + " raised " + exception.what();
+        failure = exception.what();
     } catch (...) {
-        failure = std::string{what} + " raised an unknown exception";
+        failure = "an exception that is no std::exception";
     }
+    code = nullptr;  // here, because what it holds may call this ORB when it goes
     lock.lock();
     --depth_;
-    if (!failure.empty()) {
-        events_.push_back({Event::Kind::servant_exception, now(), std::move(failure)});
-    }
-    if (depth_ == 0) changed_.notify_all();
+    // Other threads may run user code now, and may have a deadline that was not there before.
+    wake();
+    return failure;
+}
+
+void OrbImpl::report_failure(std::string_view what, const std::string& failure) {
+    if (failure.empty()) return;
+    add_event({Event::Kind::servant_exception, now(), std::string{what} + " raised " + failure});
 }
 
 void OrbImpl::serve(Lock& lock, core::IncomingRequest request) {
@@ -304,11 +355,12 @@ void OrbImpl::serve(Lock& lock, core::IncomingRequest request) {
     }
     engine_.buffers().release(std::move(request.parameters));
     transmit(now());
+    wake();  // the caller may be a thread of this program
 }
 
-void OrbImpl::call_servant(Lock& lock, Servant& servant, ServerCall& call) {
+void OrbImpl::call_servant(Lock& lock, ObjectIndex object, Servant& servant, ServerCall& call) {
     engine_.count(Counter::requests_dispatched);
-    run_user_code(lock, "a servant", [&] {
+    const std::string failure = run_user_code(lock, [&servant, &call] {
         try {
             poa::dispatch(servant, call);
         } catch (const SystemException& exception) {
@@ -318,6 +370,11 @@ void OrbImpl::call_servant(Lock& lock, Servant& servant, ServerCall& call) {
             throw;  // for the log: the caller learns no more than UNKNOWN
         }
     });
+    if (!failure.empty()) {
+        report_failure("operation " + std::to_string(call.operation()) + " of object " +
+                           std::to_string(object),
+                       failure);
+    }
     const bool failed = call.outcome() == ServerCall::Outcome::system_exception ||
                         call.outcome() == ServerCall::Outcome::user_exception;
     if (failed && call.is_oneway()) engine_.count(Counter::group_requests_failed);
@@ -335,7 +392,7 @@ void OrbImpl::serve_object(Lock& lock, const core::IncomingRequest& request) {
     const MutableBytes message{buffer};
     ServerCall call{request.operation, ccdr::Decoder{request.parameters, &owner_},
                     message.subspan(giop::reply_header_size)};
-    call_servant(lock, *servant, call);
+    call_servant(lock, request.object, *servant, call);
     if (!call.is_oneway()) {
         if (call.outcome() == ServerCall::Outcome::system_exception) {
             engine_.refuse(request.answer_to, call.system_error(), now());
@@ -365,7 +422,7 @@ void OrbImpl::serve_group(Lock& lock, const core::IncomingRequest& request) {
         }
         ServerCall call{request.operation, ccdr::Decoder{request.parameters, &owner_}, buffer};
         call.oneway();
-        call_servant(lock, *servant, call);
+        call_servant(lock, member.index, *servant, call);
     }
     message_buffers_.give_back(std::move(buffer));
 }
@@ -393,9 +450,14 @@ Event OrbImpl::describe(const core::Notice& notice) const {
 void OrbImpl::report(Lock& lock, Event event) {
     event.text = options_.name + ": " + event.text;
     const auto callback = event_callback_;
-    run_user_code(lock, "the event callback", [&] {
+    const std::string failure = run_user_code(lock, [this, &callback, &event] {
         options_.log(event.text);
-        if (callback) (*callback)(event);
+        if (callback && *callback) (*callback)(event);
+    });
+    if (failure.empty()) return;
+    // No event, which would raise the same again.
+    run_user_code(lock, [this, &failure] {
+        options_.log(options_.name + ": the event callback raised " + failure);
     });
 }
 
@@ -405,8 +467,19 @@ void OrbImpl::require_open() const {
     if (closed_) throw BAD_INV_ORDER("the Orb of this reference is gone");
 }
 
+void OrbImpl::require_node() const {
+    if (!engine_.node()) throw BAD_INV_ORDER("this node has no number yet: set_node() first");
+}
+
+TimePoint OrbImpl::after(Duration duration) const {
+    const TimePoint time = now();
+    // Far, and yet a time that can be computed with.
+    const Duration longest = (never - time) / 2;
+    return time + std::min(duration, longest);
+}
+
 TimePoint OrbImpl::deadline(Duration timeout) const {
-    return now() + (timeout > Duration::zero() ? timeout : options_.default_timeout);
+    return after(timeout > Duration::zero() ? timeout : options_.default_timeout);
 }
 
 void OrbImpl::after_queueing(std::optional<caniop::MessageHandle> message,
@@ -435,6 +508,7 @@ core::CallResult OrbImpl::call(ObjectKey target, OperationId operation, MutableB
                                Duration timeout, const SentCallback& sent) {
     Lock lock{mutex_};
     require_open();
+    require_node();
     const TimePoint until = deadline(timeout);
     const auto handle = engine_.call(target, operation, message, until);
     if (!handle) return handle.error();
@@ -451,6 +525,7 @@ std::optional<SystemError> OrbImpl::send(ObjectKey target, OperationId operation
                                          const SentCallback& sent) {
     const Lock lock{mutex_};
     require_open();
+    require_node();
     const auto queued = engine_.send(target, operation, message, deadline(timeout));
     if (!queued) return queued.error();
     after_queueing(*queued, sent);
@@ -462,6 +537,7 @@ std::optional<SystemError> OrbImpl::multicast(GroupId group, std::uint16_t inter
                                               Duration timeout, const SentCallback& sent) {
     const Lock lock{mutex_};
     require_open();
+    require_node();
     const auto queued =
         engine_.multicast(group, interface_key, operation, message, deadline(timeout));
     if (!queued) return queued.error();
@@ -490,11 +566,15 @@ void OrbImpl::poll() {
         wait(lock, Role::loop, now(), [] { return false; });
         return;
     }
+    ++waiting_;
     exchange(now(), may_run(Role::loop));
-    // As much as was due on entry; what servants cause meanwhile waits for the next poll().
-    for (std::size_t i = 0; i < max_polled && may_run(Role::loop) && run_one(lock); ++i) {
+    // Not for ever: who polls has other things to do.
+    for (std::size_t i = 0; i < max_polled && !closed_; ++i) {
+        if (!may_run(Role::loop) || !run_one(lock)) break;
         exchange(now(), true);
     }
+    --waiting_;
+    wake();
 }
 
 void OrbImpl::shutdown() noexcept {
@@ -511,8 +591,9 @@ TimerId OrbImpl::add_timer(TimePoint time, Duration period, Callback callback) {
 }
 
 void OrbImpl::cancel_timer(TimerId timer) {
-    const Lock lock{mutex_};
-    timers_.cancel(static_cast<Timers::Id>(timer));
+    Lock lock{mutex_};
+    const auto cancelled = timers_.cancel(static_cast<Timers::Id>(timer));
+    lock.unlock();  // what the callback holds may call this ORB when it goes
 }
 
 bool OrbImpl::work() {
@@ -525,11 +606,7 @@ bool OrbImpl::work() {
 
 bool OrbImpl::run_due_timer() {
     Lock lock{mutex_};
-    if (!may_run(Role::loop)) return false;
-    const auto callback = timers_.take_due(now());
-    if (!callback) return false;
-    run_user_code(lock, "a timer", *callback);
-    return true;
+    return may_run(Role::loop) && run_timer(lock);
 }
 
 TimePoint OrbImpl::next_wakeup() const {
@@ -561,7 +638,7 @@ ObjectRef OrbImpl::make_reference(core::Reference reference) {
 ObjectRef OrbImpl::activate(std::optional<ObjectIndex> index, Servant& servant) {
     const Lock lock{mutex_};
     require_open();
-    if (!engine_.node()) throw BAD_INV_ORDER("this node has no number yet: set_node() first");
+    require_node();
     const auto activated = index ? engine_.adapter().activate_with_id(*index, servant)
                                  : engine_.adapter().activate(servant);
     if (!activated) {
@@ -664,9 +741,10 @@ std::vector<ObjectRef> OrbImpl::members(GroupId group) {
 // ---- what happened
 
 void OrbImpl::on_event(std::function<void(const Event&)> callback) {
-    const Lock lock{mutex_};
-    event_callback_ =
-        std::make_shared<const std::function<void(const Event&)>>(std::move(callback));
+    auto shared = std::make_shared<const std::function<void(const Event&)>>(std::move(callback));
+    Lock lock{mutex_};
+    event_callback_.swap(shared);
+    lock.unlock();  // what the old one holds may call this ORB when it goes
 }
 
 Counters OrbImpl::counters() const {

@@ -8,6 +8,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -95,6 +96,8 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     void shutdown() noexcept;
 
     TimePoint now() const { return bus_.now(); }
+    /// `duration` from now, or as far as time can be computed with.
+    TimePoint after(Duration duration) const;
     TimerId add_timer(TimePoint time, Duration period, Callback callback);
     void cancel_timer(TimerId timer);
 
@@ -138,23 +141,30 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     bool may_run(Role role) const;
     bool too_deep() const;
     TimePoint wakeup(Role role) const;
-    void exchange(TimePoint now, bool serving);
+    /// True: the controller had something to tell.
+    bool exchange(TimePoint now, bool serving);
     void collect_notices();
+    void add_event(Event event);
     void transmit(TimePoint now);
     void refuse_nested(TimePoint now);
 
     bool run_one(Lock& lock);
-    void run_user_code(Lock& lock, const char* what, const std::function<void()>& code);
+    bool run_sent(Lock& lock);
+    bool run_timer(Lock& lock);
+    /// What the code raised, in words; empty: nothing.
+    std::string run_user_code(Lock& lock, std::function<void()> code);
+    void report_failure(std::string_view what, const std::string& failure);
     void serve(Lock& lock, core::IncomingRequest request);
     void serve_object(Lock& lock, const core::IncomingRequest& request);
     void serve_group(Lock& lock, const core::IncomingRequest& request);
-    void call_servant(Lock& lock, Servant& servant, ServerCall& call);
+    void call_servant(Lock& lock, ObjectIndex object, Servant& servant, ServerCall& call);
     Event describe(const core::Notice& notice) const;
     void report(Lock& lock, Event event);
     void after_queueing(std::optional<caniop::MessageHandle> message, const SentCallback& sent);
     std::optional<SentCallback> take_sent_callback(caniop::MessageHandle message);
 
     void require_open() const;
+    void require_node() const;
     TimePoint deadline(Duration timeout) const;
     ObjectIndex local_index(const ObjectRef& object) const;
 
@@ -172,8 +182,9 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     core::Engine engine_;
     Timers timers_;
     std::vector<std::pair<caniop::MessageHandle, SentCallback>> sent_callbacks_;
-    std::deque<SentCallback> sent_;  ///< to be called
-    std::deque<Event> events_;       ///< to be reported
+    std::deque<SentCallback> sent_;     ///< to be called
+    std::vector<SentCallback> unsent_;  ///< never to be called: to be destroyed without the mutex
+    std::deque<Event> events_;          ///< to be reported
     std::shared_ptr<const std::function<void(const Event&)>> event_callback_;
     bool closed_ = false;
     bool leading_ = false;

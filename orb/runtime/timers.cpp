@@ -11,10 +11,13 @@ Timers::Id Timers::add(TimePoint time, Duration period, Callback callback) {
     return id;
 }
 
-void Timers::cancel(Id id) {
+std::shared_ptr<const Callback> Timers::cancel(Id id) {
     const auto found = std::find_if(timers_.begin(), timers_.end(),
                                     [&](const auto& timer) { return timer.first.second == id; });
-    if (found != timers_.end()) timers_.erase(found);
+    if (found == timers_.end()) return nullptr;
+    std::shared_ptr<const Callback> callback = std::move(found->second.callback);
+    timers_.erase(found);
+    return callback;
 }
 
 std::shared_ptr<const Callback> Timers::take_due(TimePoint now) {

@@ -19,7 +19,8 @@ class Timers {
 
     /// `period` 0: once.
     Id add(TimePoint time, Duration period, Callback callback);
-    void cancel(Id id);
+    /// The callback, for the caller to destroy where that may run code of its own.
+    std::shared_ptr<const Callback> cancel(Id id);
 
     /// The time of the first; never: there is none.
     TimePoint next() const { return timers_.empty() ? never : timers_.begin()->first.first; }

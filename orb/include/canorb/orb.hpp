@@ -114,7 +114,10 @@ class Orb {
   public:
     /// Throws BAD_PARAM for options out of range, COMM_FAILURE when the bus refuses.
     explicit Orb(Bus& bus, OrbOptions options = {});
-    /// Sends what is still queued, at most until its deadlines; then detaches.
+    /// Sends what is still queued, for as long as options().default_timeout at most, without
+    /// serving anybody meanwhile; then detaches. In a simulation, whose time stands still, it only
+    /// detaches. Other threads leave run(), and their calls throw BAD_INV_ORDER. Not to be
+    /// destroyed from its own servants and callbacks.
     ~Orb();
     Orb(const Orb&) = delete;
     Orb& operator=(const Orb&) = delete;
