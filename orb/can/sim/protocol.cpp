@@ -291,7 +291,9 @@ Welcome get_welcome(Reader& reader) {
 Refusal get_refusal(Reader& reader) {
     Refusal refusal;
     refusal.version = reader.get8();
-    refusal.reason = get_text(reader.get_rest(), reader);
+    const Bytes text = reader.get_rest();
+    if (text.size() > max_refusal_reason) reader.fail();
+    refusal.reason = get_text(text, reader);
     return refusal;
 }
 
