@@ -1,6 +1,7 @@
 #include "idlc/diagnostics.hpp"
 
 #include <algorithm>
+#include <map>
 #include <utility>
 
 namespace canorb::idlc {
@@ -55,19 +56,16 @@ std::string caret(const Position& position) {
 /// In the order of the source, notes behind what they belong to: each stage goes through the
 /// source from its beginning.
 std::vector<const Diagnostic*> sorted(const std::vector<Diagnostic>& diagnostics) {
-    struct Entry {
-        Location group;
-        const Diagnostic* diagnostic;
-    };
-    std::vector<Entry> entries;
+    std::map<Location, std::vector<const Diagnostic*>> by_place;
+    Location place;
     for (const Diagnostic& diagnostic : diagnostics) {
-        const bool is_note = diagnostic.severity == Severity::note && !entries.empty();
-        entries.push_back({is_note ? entries.back().group : diagnostic.where, &diagnostic});
+        if (diagnostic.severity != Severity::note) place = diagnostic.where;
+        by_place[place].push_back(&diagnostic);
     }
-    std::stable_sort(entries.begin(), entries.end(),
-                     [](const Entry& a, const Entry& b) { return a.group < b.group; });
     std::vector<const Diagnostic*> result;
-    for (const Entry& entry : entries) result.push_back(entry.diagnostic);
+    for (const auto& [where, group] : by_place) {
+        result.insert(result.end(), group.begin(), group.end());
+    }
     return result;
 }
 
