@@ -22,6 +22,7 @@ model::Model Checker::run(const ast::File& file) {
     Scope& global = new_scope(Scope::Kind::module, nullptr, "");
     declarations(file.declarations, {global, nullptr, model_.definitions});
     check_interfaces_defined();
+    check_waits();
     check_generated_names();
     return std::move(model_);
 }
@@ -91,7 +92,7 @@ void Checker::declare(const ast::Declaration& declaration, const ast::Struct& st
     if (definition == nullptr) return;
     definition->body = model::Struct{};
     incomplete_.insert(definition);
-    std::vector<model::Member> list = members(declaration, structure.members, place.scope);
+    std::vector<model::Member> list = members(structure.members, place.scope, *definition);
     incomplete_.erase(definition);
     definition->body = model::Struct{std::move(list)};
 }
@@ -100,7 +101,7 @@ void Checker::declare(const ast::Declaration& declaration, const ast::Exception&
                       const Place& place) {
     model::Definition* definition = declare_name(declaration, Symbol::Kind::exception, place);
     if (definition == nullptr) return;
-    definition->body = model::Exception{members(declaration, exception.members, place.scope)};
+    definition->body = model::Exception{members(exception.members, place.scope, *definition)};
 }
 
 void Checker::declare(const ast::Declaration& declaration, const ast::Alias& alias,
@@ -113,14 +114,14 @@ void Checker::declare(const ast::Declaration& declaration, const ast::Alias& ali
     definition->body = model::Alias{type.value_or(model::Type{})};
 }
 
-std::vector<model::Member> Checker::members(const ast::Declaration& declaration,
-                                            const std::vector<ast::Member>& list, Scope& around) {
-    Scope& scope = new_scope(Scope::Kind::members, &around, declaration.name.text);
+std::vector<model::Member> Checker::members(const std::vector<ast::Member>& list, Scope& around,
+                                            const model::Definition& owner) {
+    Scope& scope = new_scope(Scope::Kind::members, &around, owner.name);
     std::vector<model::Member> members;
     for (const ast::Member& member : list) {
         std::optional<model::Type> type = this->type(member.type, scope);
         if (type) type = array(*std::move(type), member.dimensions, scope);
-        if (type) require_complete(*type, member.type.where);
+        if (type) require_complete(*type, member.type.where, owner);
         Symbol symbol;
         symbol.name = member.name.text;
         symbol.where = member.name.where;

@@ -53,9 +53,10 @@ class Checker {
     void declare(const ast::Declaration&, const ast::Attribute&, const Place&) {}
     void declare(const ast::Declaration&, const ast::Operation&, const Place&) {}
 
-    std::vector<model::Member> members(const ast::Declaration& declaration,
-                                       const std::vector<ast::Member>& list, Scope& around);
+    std::vector<model::Member> members(const std::vector<ast::Member>& list, Scope& around,
+                                       const model::Definition& owner);
     void check_interfaces_defined();
+    void check_waits();
     void check_generated_names();
 
     model::Definition& new_definition(const ast::Declaration& declaration, const Place& place);
@@ -93,8 +94,17 @@ class Checker {
     std::optional<model::Value> value(const ast::Expression& expression, const model::Type& type,
                                       Scope& scope);
     std::optional<model::Value> named_value(const ast::ScopedName& name, Scope& scope);
-    /// Reports when a value of the type contains, not only refers to, what is not defined yet.
-    void require_complete(const model::Type& type, Location where);
+    /// For a member of `owner`: notes the interfaces that must be defined before `owner` is
+    /// complete, and reports those that it cannot wait for.
+    void require_complete(const model::Type& type, Location where, const model::Definition& owner);
+    bool is_complete(const model::Definition& definition) const;
+
+    /// A struct or exception, and an interface defined behind it that it contains references to.
+    struct Wait {
+        const model::Definition* owner;
+        const model::Definition* needed;
+        Location where;
+    };
 
     const Source& source_;
     Diagnostics& diagnostics_;
@@ -102,6 +112,7 @@ class Checker {
     std::deque<Scope> scopes_;
     /// Interfaces that are declared only, and structs and exceptions while their members are read.
     std::set<const model::Definition*> incomplete_;
+    std::vector<Wait> waits_;
     /// Where forward declared interfaces were declared first.
     std::vector<std::pair<const model::Definition*, Location>> forward_;
     /// Where each operation of the interface being read was declared, in the order of its ids.

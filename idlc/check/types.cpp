@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "idlc/check/checker.hpp"
@@ -176,13 +177,34 @@ std::optional<model::Value> Checker::named_value(const ast::ScopedName& name, Sc
     return std::nullopt;
 }
 
-void Checker::require_complete(const model::Type& type, Location where) {
+void Checker::require_complete(const model::Type& type, Location where,
+                               const model::Definition& owner) {
     const model::Type& known = model::resolved(type);
-    if (known.element != nullptr) return require_complete(*known.element, where);
-    if (known.kind != model::TypeKind::named || incomplete_.count(known.definition) == 0) return;
-    diagnostics_.error(where, "the interface " + quote(known.definition->name) +
-                                  " must be defined before a struct or exception contains "
-                                  "references to it");
+    if (known.element != nullptr) return require_complete(*known.element, where, owner);
+    if (known.kind != model::TypeKind::named || is_complete(*known.definition)) return;
+    waits_.push_back({&owner, known.definition, where});
+}
+
+bool Checker::is_complete(const model::Definition& definition) const {
+    if (incomplete_.count(&definition) != 0) return false;
+    return std::all_of(waits_.begin(), waits_.end(), [&](const Wait& wait) {
+        return wait.owner != &definition || is_complete(*wait.needed);
+    });
+}
+
+void Checker::check_waits() {
+    for (const Wait& wait : waits_) {
+        // The generated header can turn round the order of what stands side by side, no more.
+        const bool in_module = wait.owner->parent == nullptr ||
+                               std::holds_alternative<model::Module>(wait.owner->parent->body);
+        if (in_module && wait.owner->parent == wait.needed->parent &&
+            wait.owner->provenance.file == wait.needed->provenance.file) {
+            continue;
+        }
+        diagnostics_.error(wait.where, quote(wait.needed->name) + " must be defined before " +
+                                           quote(wait.owner->name) +
+                                           " contains it, or behind it in the same module");
+    }
 }
 
 }  // namespace canorb::idlc::check

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "idlc/emit/names.hpp"
+#include "idlc/emit/order.hpp"
 #include "idlc/emit/pieces.hpp"
 #include "idlc/emit/text.hpp"
 
@@ -13,13 +14,14 @@ namespace canorb::idlc::emit {
 namespace {
 
 using Definitions = std::vector<const model::Definition*>;
-using Leaf = std::function<std::string(const model::Definition&)>;
+using Leaf = std::function<std::string(const Step&)>;
 
 /// What `leaf` gives for the main file's definitions, in their namespaces; empty where it gives
 /// nothing at all.
 std::string in_namespaces(const Definitions& definitions, const Names& names, const Leaf& leaf) {
     std::vector<std::string> parts;
-    for (const model::Definition* definition : definitions) {
+    for (const Step& step : cpp_order(definitions)) {
+        const model::Definition* definition = step.definition;
         std::string text;
         if (const auto* module = std::get_if<model::Module>(&definition->body)) {
             const std::string inside = in_namespaces(module->definitions, names, leaf);
@@ -28,7 +30,7 @@ std::string in_namespaces(const Definitions& definitions, const Names& names, co
                 text = "namespace " + name + " {\n\n" + inside + "\n}  // namespace " + name + '\n';
             }
         } else if (definition->in_main_file) {
-            text = leaf(*definition);
+            text = leaf(step);
         }
         if (!text.empty()) parts.push_back(std::move(text));
     }
@@ -57,7 +59,12 @@ bool has_interface(const Definitions& definitions) {
     });
 }
 
-std::string declared(const model::Definition& definition, const Names& names) {
+std::string declared(const Step& step, const Names& names) {
+    const model::Definition& definition = *step.definition;
+    if (step.declare_only) {
+        const bool is_struct = std::holds_alternative<model::Struct>(definition.body);
+        return (is_struct ? "struct " : "class ") + names.own(definition) + ";\n";
+    }
     if (std::holds_alternative<model::ForwardInterface>(definition.body)) {
         return "class " + names.own(definition) + ";\n";
     }
@@ -114,7 +121,8 @@ GeneratedCode generate(const model::Model& model, const std::string& stem) {
         return in_namespaces(model.definitions, names, leaf);
     };
     const auto interfaces = [&](const auto& piece) {
-        return all([&](const model::Definition& definition) {
+        return all([&](const Step& step) {
+            const model::Definition& definition = *step.definition;
             return as_interface(definition) != nullptr ? piece(definition) : std::string{};
         });
     };
@@ -130,16 +138,16 @@ GeneratedCode generate(const model::Model& model, const std::string& stem) {
                                                                 : "#include <canorb/types.hpp>"},
                                       {"gap", includes.empty() ? "" : "\n"},
                                       {"includes", includes}});
-    code.header += section(
-        calls ? "Types and stubs." : "Types.",
-        all([&](const model::Definition& definition) { return declared(definition, names); }));
+    code.header += section(calls ? "Types and stubs." : "Types.",
+                           all([&](const Step& step) { return declared(step, names); }));
     code.header += section("Servants: derive from these.", interfaces([&](const auto& interface) {
                                return servant_declaration(interface, names);
                            }));
 
     code.source = fill(source_piece, {{"file", file}, {"stem", stem}});
-    code.source += section("Codec.", all([&](const model::Definition& definition) {
-                               return codec_definition(definition, names);
+    code.source += section("Codec.", all([&](const Step& step) {
+                               return step.declare_only ? std::string{}
+                                                        : codec_definition(*step.definition, names);
                            }));
     code.source +=
         section("Operations.",
