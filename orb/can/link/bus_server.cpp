@@ -11,6 +11,7 @@
 #include <cerrno>
 #include <chrono>
 #include <optional>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -45,6 +46,7 @@ struct Client {
 
 struct Request {
     TimePoint time;
+    std::size_t order;  ///< of reading, for equal times
     Client* client;
     sim::ClientPacket packet;
 };
@@ -253,7 +255,8 @@ class BusServer::Server {
             const TimePoint asked =
                 std::visit([&](const auto& form) { return time_of(form, now); }, *packet);
             client.last_request = std::clamp(asked, std::min(client.last_request, now), now);
-            requests_.push_back({client.last_request, &client, std::move(*packet)});
+            requests_.push_back(
+                {client.last_request, requests_.size(), &client, std::move(*packet)});
         }
     }
 
@@ -264,8 +267,9 @@ class BusServer::Server {
     }
 
     void obey_requests() {
-        std::stable_sort(requests_.begin(), requests_.end(),
-                         [](const Request& a, const Request& b) { return a.time < b.time; });
+        std::sort(requests_.begin(), requests_.end(), [](const Request& a, const Request& b) {
+            return std::tie(a.time, a.order) < std::tie(b.time, b.order);
+        });
         for (const Request& request : requests_) {
             if (request.client->gone) continue;
             if (options_.paced) bus_.advance(request.time);
