@@ -256,6 +256,7 @@ TEST_F(BusServerTest, ADisconnectedClientLeavesNothingBehind) {
         client.enter();
         client.say(send_request(1));
     }
+    ASSERT_TRUE(open_link(address()));  // answered after the daemon has seen the end
     EXPECT_TRUE(listener->set_listen_only(false));
     const auto sender = attach();
     ASSERT_TRUE(std::holds_alternative<TransmitHandle>(sender->send(Frame::standard(0x7EF, {}))));

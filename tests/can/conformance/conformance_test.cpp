@@ -405,6 +405,7 @@ TEST_P(Conformance, ANodeThatLeavesTakesItsWaitingFramesWithIt) {
     Station& holder = holding_station();
     send(leaver, data_frame(0x100));
     leaver.leave();
+    bus_->settle();
     release(holder);
     Station& sender = station();
     expect_sentinel(sender, holder);

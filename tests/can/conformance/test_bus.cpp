@@ -82,7 +82,12 @@ class SimBus final : public LinkBus {
         if (!server) throw std::runtime_error(server.error());
         server_ = std::move(*server);
         thread_ = std::thread{[this] { server_->run(); }};
-        open("sim:" + options.path);
+        address_ = "sim:" + options.path;
+        open(address_);
+    }
+    /// What is asked now is answered after it has seen what happened before.
+    void settle() override {
+        if (!open_link(address_)) throw std::runtime_error("the daemon does not answer");
     }
     ~SimBus() override {
         server_->stop();
@@ -91,6 +96,7 @@ class SimBus final : public LinkBus {
 
   private:
     TemporaryDirectory directory_;
+    std::string address_;
     std::unique_ptr<BusServer> server_;
     std::thread thread_;
 };

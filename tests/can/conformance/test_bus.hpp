@@ -24,6 +24,9 @@ class TestBus {
     /// Lets time pass until one of the controllers may have an event. False: none will come.
     virtual bool wait(std::span<Controller* const> controllers) = 0;
 
+    /// Returns when the bus knows that the controllers destroyed before have left.
+    virtual void settle() {}
+
   protected:
     TestBus() = default;
 };
