@@ -161,7 +161,7 @@ bool OrbImpl::wait(Lock& lock, Role role, TimePoint deadline, Done done) {
         // A caller that runs no event loop learns that its call was sent before it returns.
         if (is_done && role == Role::caller && may_run(role) && run_sent(lock)) continue;
         if (is_done || closed_ || time >= deadline) break;
-        if (too_deep()) refuse_nested(time);
+        if (too_deep() && refuse_nested(time)) continue;
         if (may_run(role) && run_one(lock)) continue;
         const TimePoint until = std::min(deadline, wakeup(role));
         if (!leading_) {
@@ -275,12 +275,15 @@ void OrbImpl::transmit(TimePoint now) {
     }
 }
 
-void OrbImpl::refuse_nested(TimePoint now) {
+bool OrbImpl::refuse_nested(TimePoint now) {
+    bool any = false;
     while (auto request = engine_.next_request()) {
         engine_.count(request->group ? Counter::group_requests_dropped : Counter::requests_refused);
         engine_.refuse(request->answer_to, {SystemErrorKind::transient, Completion::no}, now);
         engine_.buffers().release(std::move(request->parameters));
+        any = true;
     }
+    return any;
 }
 
 // ---- user code
@@ -599,9 +602,10 @@ void OrbImpl::cancel_timer(TimerId timer) {
 bool OrbImpl::work() {
     Lock lock{mutex_};
     const TimePoint time = now();
-    exchange(time, may_run(Role::loop));
-    if (too_deep()) refuse_nested(time);
-    return may_run(Role::loop) && run_one(lock);
+    // What came may have ended a call: its caller must know before time goes on.
+    const bool came = exchange(time, may_run(Role::loop));
+    if (too_deep()) return refuse_nested(time) || came;
+    return (may_run(Role::loop) && run_one(lock)) || came;
 }
 
 bool OrbImpl::run_due_timer() {

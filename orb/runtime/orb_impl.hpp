@@ -146,7 +146,8 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     void collect_notices();
     void add_event(Event event);
     void transmit(TimePoint now);
-    void refuse_nested(TimePoint now);
+    /// True: there was a Request to refuse.
+    bool refuse_nested(TimePoint now);
 
     bool run_one(Lock& lock);
     bool run_sent(Lock& lock);

@@ -17,7 +17,7 @@ class SimulatedOrb {
     virtual ~SimulatedOrb() = default;
 
     /// Exchanges events and frames with the controller, then runs at most one servant call or
-    /// notice. True: something ran.
+    /// notice. True: something happened, at which a caller must look before time goes on.
     virtual bool work() = 0;
     /// Runs one timer that is due. True: one was.
     virtual bool run_due_timer() = 0;
