@@ -76,6 +76,14 @@ bool StopSignals::requested() {
     return stop_requested;
 }
 
+void keep_on_bus(canorb::Orb& orb) {
+    using canorb::can::ControllerState;
+    orb.every(std::chrono::seconds{1}, [&orb] {
+        const ControllerState state = orb.error_status().state;
+        if (state == ControllerState::bus_off || state == ControllerState::stopped) orb.recover();
+    });
+}
+
 NodePrinter::NodePrinter(canorb::Orb& orb, std::string_view node)
     : orb_(orb), node_(node), start_(orb.now()) {
     orb.every(std::chrono::milliseconds{250}, [this] { print_panel(); });

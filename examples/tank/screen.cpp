@@ -21,7 +21,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int least_columns = 72;
+constexpr int least_columns = 80;
 constexpr int least_rows = 22;
 constexpr int side_columns = 24;  // the panels, right of the plot
 constexpr int station_rows = 6;   // the operator's lines, below it
@@ -112,8 +112,7 @@ class View {
             draw_panels(2, columns - side_columns + 2);
             draw_station(plot_rows + 2, columns);
             put(rows - 1, 1,
-                "level a 50  b 75  c 100  d 125 cm   slot h 5  j 10  k 50  l 100 ms   "
-                "+ - temp.   q quit",
+                "level a 50 b 75 c 100 d 125 cm  slot h 5 j 10 k 50 l 100 ms  + - temp.  q quit",
                 A_DIM);
         }
         ::wrefresh(stdscr);
@@ -129,8 +128,11 @@ class View {
     double seconds() const { return std::chrono::duration<double>(Clock::now() - start_).count(); }
 
     void draw_plot(int first_row, int rows, int columns) const {
+        const auto row_of = [&](int mm) {
+            return first_row + rows - 1 - std::min(mm * rows / Plant::height_mm, rows - 1);
+        };
         for (int cm = 0; cm <= 200; cm += 50)
-            put(first_row + rows - 1 - cm * (rows - 1) / 200, 0, fmt::format("{:>4}", cm), A_DIM);
+            put(row_of(cm * 10), 0, fmt::format("{:>4}", cm), A_DIM);
         const auto width = static_cast<std::size_t>(columns - axis_columns);
         const std::size_t skipped = history_.size() > width ? history_.size() - width : 0;
         int column = axis_columns;
@@ -138,11 +140,11 @@ class View {
             const Column& at = history_[i];
             // A row is cut into eighths, as the glyphs are.
             const int eighths = at.level_mm * rows * 8 / Plant::height_mm;
-            const int setpoint_row = std::min(at.setpoint_mm * rows / Plant::height_mm, rows - 1);
+            const int setpoint_row = row_of(at.setpoint_mm);
             const chtype look = colour(at.alarm ? alarm_colour : level_colour);
             for (int row = 0; row < rows; ++row) {
                 const int y = first_row + rows - 1 - row;
-                if (row == setpoint_row) {
+                if (y == setpoint_row) {
                     put(y, column, utf8_ ? "━" : "-", colour(setpoint_colour) | A_BOLD);
                 } else if (const int filled = std::clamp(eighths - row * 8, 0, 8); filled > 0) {
                     put(y, column, bar(filled), look);
@@ -173,7 +175,6 @@ class View {
 
     void draw_panel(int row, int column, std::string_view title, const Panel& panel,
                     chtype look) const {
-        const std::string edge = "+" + std::string(Panel::width, '-') + "+";
         put(row, column, title, A_BOLD);
         for (int line = 0; line < 2; ++line)
             put(row + 1 + line, column, panel.lines[static_cast<std::size_t>(line)],

@@ -67,6 +67,7 @@ int main(int argc, char** argv) {
             temperature.turn();
             node.set_temperature(temperature.celsius());
         });
+        tank::keep_on_bus(orb);
         const tank::StopSignals stop_signals{&orb};
         orb.run();
     });

@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
         tank::StepsDue steps;
         orb.every(tank::Plant::step_length,
                   [&, start = orb.now()] { node.pass_time(steps.take(orb.now() - start)); });
+        tank::keep_on_bus(orb);
         const tank::StopSignals stop_signals{&orb};
         orb.run();
     });
