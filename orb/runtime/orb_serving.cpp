@@ -1,0 +1,188 @@
+// OrbImpl: servants and callbacks, one at a time.
+
+#include <string>
+#include <utility>
+
+#include "orb/giop/message.hpp"
+#include "orb/poa/servant.hpp"
+#include "orb/runtime/orb_impl.hpp"
+
+namespace canorb::runtime {
+
+bool OrbImpl::run_one(Lock& lock) {
+    if (!unsent_.empty()) {
+        // What a callback holds may call this ORB when it goes.
+        auto unsent = std::exchange(unsent_, {});
+        run_user_code(lock, [&] { unsent.clear(); });
+        return true;
+    }
+    if (!events_.empty()) {
+        Event event = std::move(events_.front());
+        events_.pop_front();
+        report(lock, std::move(event));
+        return true;
+    }
+    if (run_sent(lock)) return true;
+    if (auto request = engine_.next_request()) {
+        serve(lock, std::move(*request));
+        return true;
+    }
+    // A simulation runs timers itself, in its order.
+    return bus_.simulation() == nullptr && run_timer(lock);
+}
+
+bool OrbImpl::run_sent(Lock& lock) {
+    if (sent_.empty()) return false;
+    SentCallback callback = std::move(sent_.front());
+    sent_.pop_front();
+    report_failure("a with_sent callback", run_user_code(lock, std::move(callback)));
+    return true;
+}
+
+bool OrbImpl::run_timer(Lock& lock) {
+    auto callback = timers_.take_due(now());
+    if (!callback) return false;
+    report_failure("a timer", run_user_code(lock, [timer = std::move(callback)] { (*timer)(); }));
+    return true;
+}
+
+std::string OrbImpl::run_user_code(Lock& lock, std::function<void()> code) {
+    serving_thread_ = std::this_thread::get_id();
+    ++depth_;
+    lock.unlock();
+    std::string failure;
+    try {
+        code();
+    } catch (const std::exception& exception) {
+        failure = exception.what();
+    } catch (...) {
+        failure = "an exception that is no std::exception";
+    }
+    code = nullptr;  // here, because what it holds may call this ORB when it goes
+    lock.lock();
+    --depth_;
+    // Other threads may run user code now, and may have a deadline that was not there before.
+    wake();
+    return failure;
+}
+
+void OrbImpl::report_failure(std::string_view what, const std::string& failure) {
+    if (failure.empty()) return;
+    add_event({Event::Kind::servant_exception, now(), std::string{what} + " raised " + failure});
+}
+
+void OrbImpl::serve(Lock& lock, core::IncomingRequest request) {
+    if (request.group) {
+        serve_group(lock, request);
+    } else {
+        serve_object(lock, request);
+    }
+    engine_.buffers().release(std::move(request.parameters));
+    transmit(now());
+    wake();  // the caller may be a thread of this program
+}
+
+void OrbImpl::call_servant(Lock& lock, ObjectIndex object, Servant& servant, ServerCall& call) {
+    engine_.count(Counter::requests_dispatched);
+    const std::string failure = run_user_code(lock, [&servant, &call] {
+        try {
+            poa::dispatch(servant, call);
+        } catch (const SystemException& exception) {
+            call.fail(exception.error());
+        } catch (...) {
+            call.fail({SystemErrorKind::unknown, Completion::maybe});
+            throw;  // for the log: the caller learns no more than UNKNOWN
+        }
+    });
+    if (!failure.empty()) {
+        report_failure("operation " + std::to_string(call.operation()) + " of object " +
+                           std::to_string(object),
+                       failure);
+    }
+    const bool failed = call.outcome() == ServerCall::Outcome::system_exception ||
+                        call.outcome() == ServerCall::Outcome::user_exception;
+    if (failed && call.is_oneway()) engine_.count(Counter::group_requests_failed);
+}
+
+void OrbImpl::serve_object(Lock& lock, const core::IncomingRequest& request) {
+    Servant* servant = engine_.adapter().find(request.object);
+    if (servant == nullptr) {
+        engine_.count(Counter::requests_refused);
+        engine_.refuse(request.answer_to, {SystemErrorKind::object_not_exist, Completion::no},
+                       now());
+        return;
+    }
+    core::Buffer buffer = message_buffers_.take();
+    const MutableBytes message{buffer};
+    ServerCall call{request.operation, ccdr::Decoder{request.parameters, &owner_},
+                    message.subspan(giop::reply_header_size)};
+    call_servant(lock, request.object, *servant, call);
+    if (!call.is_oneway()) {
+        if (call.outcome() == ServerCall::Outcome::system_exception) {
+            engine_.refuse(request.answer_to, call.system_error(), now());
+        } else {
+            const auto status = call.outcome() == ServerCall::Outcome::user_exception
+                                    ? giop::ReplyStatus::user_exception
+                                    : giop::ReplyStatus::no_exception;
+            engine_.answer(request.answer_to, status,
+                           message.first(giop::reply_header_size + call.body().size()), now());
+        }
+    }
+    message_buffers_.give_back(std::move(buffer));
+}
+
+void OrbImpl::serve_group(Lock& lock, const core::IncomingRequest& request) {
+    core::Buffer buffer = message_buffers_.take();
+    // A copy: a servant may leave, or make another one leave, while this runs.
+    const auto current = engine_.agent().members(*request.group);
+    const std::vector<mca::Member> members{current.begin(), current.end()};
+    for (const mca::Member& member : members) {
+        Servant* servant = engine_.adapter().find(member.index);
+        if (servant == nullptr || !engine_.agent().is_member(*request.group, member.index))
+            continue;
+        if (request.interface_key != 0 && !member.interface->has_group_key(request.interface_key)) {
+            engine_.count(Counter::group_interface_mismatches);
+            continue;
+        }
+        ServerCall call{request.operation, ccdr::Decoder{request.parameters, &owner_}, buffer};
+        call.oneway();
+        call_servant(lock, member.index, *servant, call);
+    }
+    message_buffers_.give_back(std::move(buffer));
+}
+
+Event OrbImpl::describe(const core::Notice& notice) const {
+    if (const auto* changed = std::get_if<core::ControllerChanged>(&notice)) {
+        const can::ErrorStatus& status = changed->change.status;
+        return {Event::Kind::controller_state, changed->change.time,
+                "the CAN controller is " + std::string{can::name(status.state)} + " (TEC " +
+                    std::to_string(status.tec) + ", REC " + std::to_string(status.rec) + ")"};
+    }
+    if (const auto* lost = std::get_if<core::LinkLostFrames>(&notice)) {
+        return {Event::Kind::frames_lost, lost->loss.time,
+                "the link lost " + std::to_string(lost->loss.count) +
+                    " received frames; partial messages were dropped"};
+    }
+    const TimePoint seen = std::get<core::DuplicateNodeSeen>(notice).time;
+    const std::string number =
+        engine_.node() ? std::to_string(engine_.node()->value()) : std::string{"?"};
+    return {Event::Kind::duplicate_node, seen,
+            "another node on this bus uses node id " + number +
+                ", as this one does; its frames are ignored: give one of them another id"};
+}
+
+void OrbImpl::report(Lock& lock, Event event) {
+    event.text = options_.name + ": " + event.text;
+    const auto callback = event_callback_;
+    const std::string failure = run_user_code(lock, [this, &callback, &event] {
+        options_.log(event.text);
+        if (callback && *callback) (*callback)(event);
+    });
+    if (failure.empty()) return;
+    // No event, which would raise the same again.
+    run_user_code(lock, [this, &failure] {
+        options_.log(options_.name + ": the event callback raised " + failure);
+    });
+}
+
+}  // namespace canorb::runtime
