@@ -31,6 +31,7 @@ EngineOptions options_of(NodeId node) {
     EngineOptions options;
     options.node = node;
     options.answer_lifetime = 50ms;
+    options.max_outstanding_calls = 16;
     options.receive.max_message = 100;
     options.receive.max_reassemblies = 4;
     options.transmit.max_octets = 4096;
@@ -389,12 +390,14 @@ class RandomFaults {
     std::map<std::uint32_t, State> states_;
 };
 
-TEST(RandomFaults, NeverMakeAWrongCall) {
-    std::mt19937 random(19937);
+class RandomSchedules : public testing::TestWithParam<unsigned> {};
+
+TEST_P(RandomSchedules, NeverMakeAWrongCall) {
+    std::mt19937 random(GetParam());
     std::map<std::string, std::size_t> results;
     std::size_t executed = 0;
     std::uint64_t faults_seen = 0;
-    for (int schedule = 0; schedule < 20'000; ++schedule) {
+    for (int schedule = 0; schedule < 5'000; ++schedule) {
         SCOPED_TRACE(schedule);
         Network network;
         RandomFaults faults{random};
@@ -435,14 +438,17 @@ TEST(RandomFaults, NeverMakeAWrongCall) {
     for (const auto& [result, count] : results) {
         if (result.starts_with("NO_EXCEPTION")) answered += count;
     }
-    EXPECT_GT(answered, 10'000U);
-    EXPECT_GT(results["TIMEOUT MAYBE"], 1'000U);
+    EXPECT_GT(answered, 2'500U);
+    EXPECT_GT(results["TIMEOUT MAYBE"], 500U);
     EXPECT_GT(results["TIMEOUT NO"], 10U);
-    EXPECT_GT(results["COMM_FAILURE MAYBE"], 100U);
-    EXPECT_GT(results["COMM_FAILURE NO"], 100U);
-    EXPECT_GT(executed, 40'000U);
-    EXPECT_GT(faults_seen, 10'000U);
+    EXPECT_GT(results["COMM_FAILURE MAYBE"], 50U);
+    EXPECT_GT(results["COMM_FAILURE NO"], 50U);
+    EXPECT_GT(executed, 10'000U);
+    EXPECT_GT(faults_seen, 2'500U);
 }
+
+// 20,000 in all; ctest runs the parts side by side.
+INSTANTIATE_TEST_SUITE_P(Seeds, RandomSchedules, testing::Values(1U, 2U, 3U, 4U));
 
 }  // namespace
 }  // namespace canorb::core
