@@ -334,7 +334,7 @@ core::CallResult OrbImpl::call(ObjectKey target, OperationId operation, MutableB
     after_queueing(engine_.message_of(*handle), refused ? SentCallback{} : sent);
     wait(lock, Role::caller, until, [&] { return engine_.ended(*handle); });
     if (auto result = engine_.take_result(*handle)) return std::move(*result);
-    require_open();
+    if (closed_) throw BAD_INV_ORDER("the Orb went during the call", Completion::maybe);
     return SystemError{SystemErrorKind::internal, Completion::maybe};
 }
 
