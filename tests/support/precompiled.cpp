@@ -1,0 +1,1 @@
+// CMake attaches precompiled headers to a target, and a target needs a source.
