@@ -150,9 +150,9 @@ TEST_F(Events, GarbageAtFullLoadHarmsNothing) {
     const ObjectRef self = server.root_poa().activate_object_with_id(1, servant);
     server.object_join(self, GroupId{5});
     int frames = 0;
+    bool stopped = false;  // outlives the garbage, as the simulation's callback does
     {
         Garbage garbage{bus, 1};
-        bool stopped = false;
         simulation.every(300us, simulation.now(), [&] {
             if (!stopped) garbage.refill();
         });
