@@ -57,8 +57,8 @@ class StopSignals {
     static bool requested();
 };
 
-/// Lets the ORB ask for its bus again, once a second, while it is off it: after bus-off, or when the
-/// bus was gone.
+/// Lets the ORB ask for its bus again, once a second, while it is off it: after bus-off, or when
+/// the bus was gone.
 void keep_on_bus(canorb::Orb& orb);
 
 /// Prints a node's log, and its panel when it changed, four times a second at most.
