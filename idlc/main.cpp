@@ -86,8 +86,9 @@ bool write_code(const std::string& file, const model::Model& model, const Option
 }
 
 bool compile_file(const std::string& file, const Options& options, Dependencies& dependencies) {
+    if (fs::is_directory(file)) return fail(file, "is a directory");
     const auto original = read_file(file);
-    if (!original || fs::is_directory(file)) return fail(file, "no such file, or not readable");
+    if (!original) return fail(file, "no such file, or not readable");
     const Preprocessed preprocessed = preprocess(file, options.preprocessor);
     std::cerr << preprocessed.message;
     if (!preprocessed.ok) return false;

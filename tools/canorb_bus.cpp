@@ -19,6 +19,8 @@ namespace {
 
 using namespace canorb;
 
+constexpr int usage_error = 2;
+
 struct Arguments {
     std::string listen{can::default_bus_address()};
     std::string bitrate = "500000";
@@ -32,6 +34,8 @@ struct FileCloser {
 };
 using File = std::unique_ptr<std::FILE, FileCloser>;
 
+constexpr int stop_signals[] = {SIGINT, SIGTERM, SIGHUP};
+
 /// A signal handler reaches the server only through something that is always there.
 can::BusServer* running_server = nullptr;
 
@@ -43,7 +47,7 @@ void stop_on_signals(can::BusServer& server) {
     running_server = &server;
     struct sigaction action{};
     action.sa_handler = stop_running_server;
-    for (const int signal : {SIGINT, SIGTERM, SIGHUP}) ::sigaction(signal, &action, nullptr);
+    for (const int signal : stop_signals) ::sigaction(signal, &action, nullptr);
 }
 
 /// From the bus's clock to Unix time, which candump's logs have.
@@ -68,14 +72,6 @@ int serve(const Arguments& arguments) {
     if (!bitrate) return fail("--bitrate: " + bitrate.error());
 
     File log_file;
-    if (!arguments.log_file.empty()) {
-        log_file.reset(std::fopen(arguments.log_file.c_str(), "w"));
-        if (!log_file) {
-            return fail("cannot write " + arguments.log_file + ": " + std::strerror(errno));
-        }
-        std::setvbuf(log_file.get(), nullptr, _IOLBF, BUFSIZ);  // a reader sees each frame at once
-    }
-
     can::BusServerOptions options;
     options.path = sim->path;
     options.bitrate = *bitrate;
@@ -86,22 +82,31 @@ int serve(const Arguments& arguments) {
                          sentence.data());
         };
     }
-    if (log_file) {
-        options.trace = [file = log_file.get(),
+    if (!arguments.log_file.empty()) {
+        options.trace = [&log_file,
                          offset = unix_time_offset()](const can::sim::CompletedFrame& completed) {
             const std::string line =
                 can::format_candump(completed.time + offset, "can0", completed.frame) + '\n';
-            std::fputs(line.c_str(), file);
+            std::fputs(line.c_str(), log_file.get());
         };
     }
     const auto server = can::BusServer::open(std::move(options));
     if (!server) return fail(server.error());
+    // Only now: a daemon that is refused must not empty the log of the one that runs.
+    if (!arguments.log_file.empty()) {
+        log_file.reset(std::fopen(arguments.log_file.c_str(), "w"));
+        if (!log_file) {
+            return fail("cannot write " + arguments.log_file + ": " + std::strerror(errno));
+        }
+        std::setvbuf(log_file.get(), nullptr, _IOLBF, BUFSIZ);  // a reader sees each frame at once
+    }
     stop_on_signals(**server);
     if (!arguments.quiet) {
         std::fprintf(stderr, "canorb-bus: sim:%s, %u bit/s%s\n", sim->path.c_str(), *bitrate,
                      arguments.unpaced ? ", unpaced" : "");
     }
     const std::string error = (*server)->run();
+    for (const int signal : stop_signals) std::signal(signal, SIG_IGN);  // it is stopping already
     if (!error.empty()) return fail(error);
     if (log_file && std::ferror(log_file.get()) != 0) {
         return fail("could not write all of " + arguments.log_file);
@@ -125,8 +130,12 @@ int main(int argc, char** argv) {
     app.add_flag("--unpaced", arguments.unpaced,
                  "do not keep to the clock: bus time moves by frames only, as fast as they come");
     app.add_option("--log", arguments.log_file,
-                   "write every frame to this file, as candump -l does");
+                   "write every frame to this file, as candump -l does; what it held is lost");
     app.add_flag("--quiet", arguments.quiet, "say nothing about clients");
-    CLI11_PARSE(app, argc, argv);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : usage_error;
+    }
     return serve(arguments);
 }

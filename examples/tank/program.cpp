@@ -52,6 +52,15 @@ void add_node_options(CLI::App& app, NodeOptions& options) {
         ->default_str(fmt::format("{}", options.node));
 }
 
+std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv) {
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    return std::nullopt;
+}
+
 int run_program(std::string_view name, const std::function<void()>& work) {
     try {
         work();

@@ -42,6 +42,10 @@ CLI::Option* add_parsed_option(CLI::App& app, const std::string& name, Value& va
         description);
 }
 
+/// Reads the command line. Where the program is to end at once, its exit code: 0 after --help and
+/// --version, 2 for wrong usage.
+std::optional<int> parse_command_line(CLI::App& app, int argc, char** argv);
+
 /// Runs a program's work; what it throws becomes a message and the exit code 1.
 int run_program(std::string_view name, const std::function<void()>& work);
 

@@ -165,7 +165,7 @@ int main(int argc, char** argv) {
           app.add_option("--plot", options.plot, "Write a picture to this file, SVG")}) {
         option->needs(on_virtual_clock)->group("With --virtual");
     }
-    CLI11_PARSE(app, argc, argv);
+    if (const auto code = tank::parse_command_line(app, argc, argv)) return *code;
     if (limited->count() > 0) options.limit = seconds;
 
     return tank::run_program("tank", [&] {

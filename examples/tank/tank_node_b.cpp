@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
     tank::set_up(app);
     tank::NodeOptions options{.bus{}, .node = tank::default_node_b};
     tank::add_node_options(app, options);
-    CLI11_PARSE(app, argc, argv);
+    if (const auto code = tank::parse_command_line(app, argc, argv)) return *code;
 
     return tank::run_program("tank_node_b", [&] {
         const auto bus = canorb::open_bus(options.bus);

@@ -79,7 +79,7 @@ int main(int argc, char** argv) {
     canorb::Duration seconds{};
     const CLI::Option* const limited = tank::add_parsed_option(
         app, "--seconds", seconds, tank::parse_seconds, "Stop after so long");
-    CLI11_PARSE(app, argc, argv);
+    if (const auto code = tank::parse_command_line(app, argc, argv)) return *code;
 
     return tank::run_program("tank_operator", [&] {
         const tank::FileDescriptor line{

@@ -50,6 +50,10 @@ FilterSet mask_filters(std::optional<NodeId> self, std::span<const GroupId> grou
     return filters;
 }
 
+can::Filter duplicate_node_filter(NodeId self) {
+    return {.mask = format::sender_mask, .value = self.value()};
+}
+
 std::variant<Identifier, Counter> admit(const can::Frame& frame, std::optional<NodeId> self,
                                         std::span<const GroupId> groups) {
     if (frame.extended || frame.remote || frame.error) return Counter::frames_not_caniop;

@@ -13,10 +13,11 @@
 
 namespace canorb::caniop {
 
-/// A list of acceptance filters, large enough for the node's own and one for every group.
+/// A list of acceptance filters, large enough for the node's own, one for every group, and the one
+/// for duplicate nodes.
 class FilterSet {
   public:
-    static constexpr std::size_t capacity = 1 + GroupId::highest + 1;
+    static constexpr std::size_t capacity = 1 + (GroupId::highest + 1) + 1;
 
     void add(const can::Filter& filter) { filters_[size_++] = filter; }
     std::size_t size() const { return size_; }
@@ -37,6 +38,11 @@ FilterSet exact_filters(std::optional<NodeId> self, std::span<const GroupId> gro
 /// node is no member may pass the second: admit() refuses their frames.
 /// The formula is that of doc/wire/caniop.md, "Acceptance filters".
 FilterSet mask_filters(std::optional<NodeId> self, std::span<const GroupId> groups);
+
+/// One more filter, for a controller with room to spare: all frames whose sender has this node's
+/// own number, whoever they are for. A controller does not receive what it sends itself, so they
+/// are those of another node with the same number, which admit() tells.
+can::Filter duplicate_node_filter(NodeId self);
 
 /// Decides on one received frame before reassembly: its identifier, or the counter that names why
 /// it is not for this node:

@@ -8,7 +8,8 @@
 namespace canorb::core {
 namespace {
 
-constexpr std::size_t notice_capacity = 256;
+/// Notices beyond those that every queued message can cause at once.
+constexpr std::size_t spare_notices = 256;
 constexpr std::size_t standard_identifiers = 2048;
 constexpr Duration duplicate_notice_interval = std::chrono::seconds{1};
 
@@ -30,7 +31,7 @@ Engine::Engine(const EngineOptions& options)
       queue_(options.transmit),
       calls_(options.max_outstanding_calls),
       incoming_(options.max_incoming_requests),
-      notices_(notice_capacity),
+      notices_(options.transmit.max_messages + spare_notices),
       next_request_id_(options.first_request_id),
       last_request_ids_(standard_identifiers) {}
 
@@ -418,9 +419,15 @@ std::optional<caniop::FilterSet> Engine::take_filters(const can::Capabilities& c
     if (!filters_changed_) return std::nullopt;
     filters_changed_ = false;
     // With fewer places than groups the two registers are what a controller surely has.
-    return capabilities.filter_list > agent_.groups().size()
-               ? caniop::exact_filters(options_.node, agent_.groups())
-               : caniop::mask_filters(options_.node, agent_.groups());
+    const std::size_t exact = 1 + agent_.groups().size();
+    if (capabilities.filter_list < exact) {
+        return caniop::mask_filters(options_.node, agent_.groups());
+    }
+    caniop::FilterSet filters = caniop::exact_filters(options_.node, agent_.groups());
+    if (options_.node && capabilities.filter_list > exact) {
+        filters.add(caniop::duplicate_node_filter(*options_.node));
+    }
+    return filters;
 }
 
 // ---- time

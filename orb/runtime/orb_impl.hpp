@@ -187,6 +187,7 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     std::vector<SentCallback> unsent_;  ///< never to be called: to be destroyed without the mutex
     std::deque<Event> events_;          ///< to be reported
     std::shared_ptr<const std::function<void(const Event&)>> event_callback_;
+    bool served_last_ = false;  ///< a request, and no timer since
     bool closed_ = false;
     bool leading_ = false;
     int loops_ = 0;    ///< threads in the event loop

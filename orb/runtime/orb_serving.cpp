@@ -23,12 +23,19 @@ bool OrbImpl::run_one(Lock& lock) {
         return true;
     }
     if (run_sent(lock)) return true;
+    // A simulation runs timers itself, in its order.
+    const bool runs_timers = bus_.simulation() == nullptr;
+    // They take turns, so that neither a flood of requests nor a slow timer keeps the other out.
+    if (runs_timers && served_last_ && run_timer(lock)) {
+        served_last_ = false;
+        return true;
+    }
     if (auto request = engine_.next_request()) {
+        served_last_ = true;
         serve(lock, std::move(*request));
         return true;
     }
-    // A simulation runs timers itself, in its order.
-    return bus_.simulation() == nullptr && run_timer(lock);
+    return runs_timers && run_timer(lock);
 }
 
 bool OrbImpl::run_sent(Lock& lock) {
@@ -173,8 +180,8 @@ Event OrbImpl::describe(const core::Notice& notice) const {
 
 void OrbImpl::report(Lock& lock, Event event) {
     event.text = options_.name + ": " + event.text;
-    const auto callback = event_callback_;
-    const std::string failure = run_user_code(lock, [this, &callback, &event] {
+    // Held by the code alone: it may be replaced meanwhile, and must not go with the mutex held.
+    const std::string failure = run_user_code(lock, [this, callback = event_callback_, &event] {
         options_.log(event.text);
         if (callback && *callback) (*callback)(event);
     });

@@ -200,6 +200,7 @@ std::vector<can::Filter> filters(TestEngine& node, std::size_t filter_list) {
 }
 
 const can::Filter to_node_5{.mask = 0x7E0, .value = 0x4A0};
+const can::Filter from_node_5{.mask = 0x01F, .value = 0x005};
 const can::Filter to_group_1{.mask = 0x7E0, .value = 0x020};
 const can::Filter to_group_3{.mask = 0x7E0, .value = 0x060};
 const can::Filter to_group_5{.mask = 0x7E0, .value = 0x0A0};
@@ -217,6 +218,10 @@ TEST(Filters, ExactOnesWhereThereIsRoomElseTheTwoRegisters) {
     join_1_3_and_5(with_room);
     join_1_3_and_5(with_less);
     join_1_3_and_5(with_registers);
+    TestEngine with_room_to_spare;
+    join_1_3_and_5(with_room_to_spare);
+    EXPECT_THAT(filters(with_room_to_spare, 5),
+                ElementsAre(to_node_5, to_group_1, to_group_3, to_group_5, from_node_5));
     EXPECT_THAT(filters(with_room, 4), ElementsAre(to_node_5, to_group_1, to_group_3, to_group_5));
     // The wire documentation's own.
     const can::Filter group_mask{.mask = 0x720, .value = 0x020};
@@ -240,10 +245,10 @@ TEST(Filters, TheFalsePositivesOfAMaskAreDroppedFrameByFrame) {
 TEST(Filters, AreGivenWhenTheyChangeAndOnlyThen) {
     constexpr std::size_t room = 32;
     TestEngine node;
-    EXPECT_THAT(filters(node, room), ElementsAre(to_node_5));
+    EXPECT_THAT(filters(node, room), ElementsAre(to_node_5, from_node_5));
     EXPECT_THAT(filters(node, room), IsEmpty());
     ASSERT_TRUE(node.engine.join(GroupId{3}, {1, &bell}));
-    EXPECT_THAT(filters(node, room), ElementsAre(to_node_5, to_group_3));
+    EXPECT_THAT(filters(node, room), ElementsAre(to_node_5, to_group_3, from_node_5));
     // A second member, one that is refused, one of several that leaves, who is no member.
     static constexpr InterfaceInfo other{"IDL:Test/Other:1.0"};
     ASSERT_TRUE(node.engine.join(GroupId{3}, {2, &bell}));
@@ -253,12 +258,13 @@ TEST(Filters, AreGivenWhenTheyChangeAndOnlyThen) {
     node.engine.set_node(NodeId{5});
     EXPECT_THAT(filters(node, room), IsEmpty());
     ASSERT_TRUE(node.engine.join(GroupId{5}, {2, &bell}));
-    EXPECT_THAT(filters(node, room), ElementsAre(to_node_5, to_group_3, to_group_5));
+    EXPECT_THAT(filters(node, room), ElementsAre(to_node_5, to_group_3, to_group_5, from_node_5));
     node.engine.leave(GroupId{3}, 2);
-    EXPECT_THAT(filters(node, room), ElementsAre(to_node_5, to_group_5));
+    EXPECT_THAT(filters(node, room), ElementsAre(to_node_5, to_group_5, from_node_5));
     node.engine.set_node(NodeId{6});
     const can::Filter to_node_6{.mask = 0x7E0, .value = 0x4C0};
-    EXPECT_THAT(filters(node, room), ElementsAre(to_node_6, to_group_5));
+    const can::Filter from_node_6{.mask = 0x01F, .value = 0x006};
+    EXPECT_THAT(filters(node, room), ElementsAre(to_node_6, to_group_5, from_node_6));
     node.engine.set_node({});
     EXPECT_THAT(filters(node, room), ElementsAre(to_group_5));
 }
@@ -273,9 +279,9 @@ TEST(Filters, AnObjectDeactivatedLeavesItsGroups) {
     ASSERT_TRUE(node.engine.adapter().activate_with_id(1, servant).ok());
     ASSERT_TRUE(node.engine.join(GroupId{3}, {1, &bell}));
     ASSERT_TRUE(node.engine.join(GroupId{5}, {1, &bell}));
-    EXPECT_EQ(filters(node, 32).size(), 3U);
+    EXPECT_EQ(filters(node, 32).size(), 4U);
     EXPECT_TRUE(node.engine.deactivate(1));
-    EXPECT_THAT(filters(node, 32), ElementsAre(to_node_5));
+    EXPECT_THAT(filters(node, 32), ElementsAre(to_node_5, from_node_5));
     EXPECT_EQ(node.engine.adapter().find(1), nullptr);
     EXPECT_FALSE(node.engine.agent().is_member(GroupId{3}, 1));
     EXPECT_FALSE(node.engine.deactivate(1));

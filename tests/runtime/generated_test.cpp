@@ -96,7 +96,7 @@ TEST_F(Generated, OnewayGetsNoReply) {
     EXPECT_EQ(seen.size(), 1U);
 }
 
-// The example of the thesis: four frames with 31 octets of payload.
+// A call with a name, an index and a value: four frames with 31 octets of payload.
 TEST_F(Generated, LongerCallIsCutIntoFrames) {
     motor.SetAttributeValueUL("max_acceleration", 3, 42);
     EXPECT_EQ(motor_servant.attribute, "max_acceleration[3]=42");

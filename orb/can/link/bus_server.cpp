@@ -30,6 +30,7 @@ constexpr Duration longest_stall = 100ms;
 constexpr Duration accept_pause = 1s;
 /// More than a well-behaved client has to say at once; a flooding one waits for its next turn.
 constexpr int packets_per_turn = 64;
+constexpr int max_accepted_in_a_row = 32;
 
 struct Client {
     Descriptor socket;
@@ -205,7 +206,8 @@ class BusServer::Server {
     }
 
     void accept_clients() {
-        while (true) {
+        // A few at a time: who connects without end must not keep the bus from the others.
+        for (int accepted = 0; accepted < max_accepted_in_a_row; ++accepted) {
             Descriptor socket{
                 ::accept4(listener_.get(), nullptr, nullptr, SOCK_CLOEXEC | SOCK_NONBLOCK)};
             if (!socket.is_open()) {

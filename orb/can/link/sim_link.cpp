@@ -112,6 +112,7 @@ class SimController final : public Controller {
             case SendOutcome::sent:
                 break;
             case SendOutcome::would_block:
+                watch_writable(true);  // its event says when to try again
                 return SendError::full;
             case SendOutcome::gone:
                 return SendError::stopped;  // poll() will find out and tell
