@@ -42,6 +42,25 @@ TEST_F(Events, DuplicateNodeIsToldAndHarmsOnlyItself) {
     EXPECT_EQ(servants[0].calls, 1);
 }
 
+TEST_F(Events, DuplicateNodeThatTalksToOthersOnlyIsToldToo) {
+    Orb server{bus, node(2)};
+    Orb original{bus, node(3)};
+    Orb duplicate{bus, node(3)};
+    TestServant servant{{{0, nothing}}};
+    server.root_poa().activate_object_with_id(1, servant);
+    std::vector<Event> events;
+    original.on_event([&](const Event& event) { events.push_back(event); });
+
+    group(duplicate, 9).invoke(0, {});  // nobody here is a member
+    simulation.run_for(1ms);
+    EXPECT_EQ(original.counters()[Counter::frames_of_duplicate_node], 1U);
+    at(duplicate, 2, 1).invoke(0, {});
+    EXPECT_EQ(servant.calls, 1);
+    EXPECT_EQ(original.counters()[Counter::frames_of_duplicate_node], 2U);
+    ASSERT_EQ(events.size(), 1U);
+    EXPECT_EQ(events[0].kind, Event::Kind::duplicate_node);
+}
+
 TEST_F(Events, ControllerStateIsTold) {
     Orb alone{bus, node(1)};
     std::vector<Event> events;
