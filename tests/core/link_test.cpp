@@ -292,12 +292,24 @@ TEST(Filters, AnObjectDeactivatedLeavesItsGroups) {
 
 TEST(Notices, BeyondWhatIsFetchedAreLostAndCounted) {
     TestEngine node;
-    for (int i = 0; i < 300; ++i) node.state(ControllerState::error_passive);
+    for (int i = 0; i < 1000; ++i) node.state(ControllerState::error_passive);
     const std::size_t kept = node.notices().size();
     EXPECT_GE(kept, 100U);
-    EXPECT_EQ(node.counted(), (Counted{{"notices_lost", 300 - kept}}));
+    EXPECT_EQ(node.counted(), (Counted{{"notices_lost", 1000 - kept}}));
     node.state(ControllerState::error_active);
     EXPECT_THAT(node.notices(), ElementsAre("error active"));
+}
+
+TEST(Notices, HaveRoomForALongQueueThatFailsAndForTheReason) {
+    EngineOptions options = TestEngine::options();
+    options.transmit.max_messages = 1000;
+    TestEngine node{options};
+    for (int i = 0; i < 1000; ++i) ASSERT_EQ(node.multicast(7), "queued");
+    node.state(ControllerState::bus_off);
+    const auto notices = node.notices();
+    ASSERT_EQ(notices.size(), 1001U);
+    EXPECT_EQ(notices.back(), "bus off");
+    EXPECT_EQ(node.engine.counters()[Counter::notices_lost], 0U);
 }
 
 TEST(Counters, TheOwnerCountsWhatOnlyItSees) {
