@@ -6,20 +6,9 @@
 #include <variant>
 
 #include "groups.hpp"
+#include "messages.hpp"
 
 namespace tank {
-
-namespace {
-
-Tank::Valve position(bool open) {
-    return open ? Tank::Valve::open : Tank::Valve::closed;
-}
-
-std::chrono::milliseconds in_ms(canorb::Duration duration) {
-    return std::chrono::duration_cast<std::chrono::milliseconds>(duration);
-}
-
-}  // namespace
 
 NodeA::NodeA(canorb::Orb& orb, OperatorLine& line, Outputs outputs)
     : orb_(orb),

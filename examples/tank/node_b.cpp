@@ -5,18 +5,11 @@
 #include <utility>
 
 #include "groups.hpp"
+#include "messages.hpp"
 
 namespace tank {
 
 namespace {
-
-Tank::Valve position(bool open) {
-    return open ? Tank::Valve::open : Tank::Valve::closed;
-}
-
-std::chrono::milliseconds in_ms(canorb::Duration duration) {
-    return std::chrono::duration_cast<std::chrono::milliseconds>(duration);
-}
 
 canorb::Duration silence_limit(canorb::Duration slot_length) {
     return slot_length * slots_in_round * rounds_without_actuation_limit;

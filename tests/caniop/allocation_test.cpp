@@ -2,34 +2,17 @@
 
 #include <gtest/gtest.h>
 
-#include <atomic>
-#include <cstdlib>
-#include <new>
 #include <vector>
 
 #include "orb/caniop/reassembler.hpp"
 #include "orb/caniop/transmit_queue.hpp"
 #include "tests/caniop/test_format.hpp"
-
-namespace {
-std::atomic<std::size_t> allocations{0};
-}
-
-// Not inlined: gcc would take malloc() and delete for a mismatch.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-    ++allocations;
-    if (void* memory = std::malloc(size)) return memory;
-    std::abort();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
+#include "tests/support/allocations.hpp"
 
 namespace canorb::caniop {
 namespace {
+
+using canorb::test::allocations;
 
 TEST(Allocation, NoneWhenMessagesAreSentAndReceived) {
     Counters counters;

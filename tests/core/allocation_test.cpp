@@ -3,32 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <atomic>
-#include <cstdlib>
-#include <new>
 
 #include "orb/core/engine.hpp"
 #include "orb/giop/message.hpp"
-
-namespace {
-std::atomic<std::size_t> allocations{0};
-}
-
-// Not inlined: gcc would take malloc() and delete for a mismatch.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-    ++allocations;
-    if (void* memory = std::malloc(size)) return memory;
-    std::abort();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
+#include "tests/support/allocations.hpp"
 
 namespace canorb::core {
 namespace {
+
+using canorb::test::allocations;
 
 using namespace std::chrono_literals;
 
