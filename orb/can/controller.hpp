@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <variant>
 
@@ -73,10 +74,13 @@ struct Capabilities {
     std::uint32_t bitrate = 0;  ///< bit/s; 0: the link does not know
     bool one_shot = false;
     bool listen_only = false;
+    /// The mailboxes are a queue that others keep: frames leave in the order of their send(), and
+    /// abort() cannot withdraw them.
+    bool fifo = false;
 };
 
 enum class SendError : std::uint8_t {
-    full,         ///< no mailbox free: send again after the next TransmitResult
+    full,         ///< no room: send again after the next TransmitResult, or when event_fd() wakes
     bus_off,      ///< recover() first
     stopped,      ///< the link is down or gone
     unsupported,  ///< the frame, or one-shot, is beyond the Capabilities, or listen-only is on
@@ -91,7 +95,8 @@ struct SendOptions {
 
 /// A CAN controller: the seam between the ORB and every link (in-process, simulated bus,
 /// SocketCAN, serial adapter). Frames with one identifier leave in the order of their send();
-/// among those that wait in the mailboxes the lowest identifier leaves first.
+/// among those that wait in the mailboxes the lowest identifier leaves first, except where
+/// Capabilities::fifo says otherwise.
 ///
 /// No function blocks and none calls back. A link that other threads feed makes every function
 /// safe to call from any thread; one consumer at a time takes events.
@@ -121,8 +126,13 @@ class Controller {
     virtual ErrorStatus error_status() const = 0;
 
     /// Asks to leave bus-off. A StateChanged tells when it has; in any other state it does
-    /// nothing. A request is kept while the link itself is down.
-    virtual void recover() = 0;
+    /// nothing. A request is kept while the link itself is down. When it cannot be asked for, for
+    /// example without permission: why, a sentence for people that says what to do.
+    virtual std::optional<std::string> recover() = 0;
+
+    /// What is behind the state that error_status() tells, for people, for example which interface
+    /// is down and what brings it up; empty where there is nothing to add.
+    virtual std::string explanation() const { return {}; }
 
     /// The next event, or nothing.
     virtual std::optional<ControllerEvent> poll() = 0;

@@ -50,9 +50,11 @@ struct Filter {
     std::uint32_t mask = 0;
     std::uint32_t value = 0;
     bool extended = false;
+    bool data_only = false;  ///< passes no remote frames
 
     bool accepts(const Frame& frame) const {
-        return frame.extended == extended && (frame.id & mask) == (value & mask);
+        return frame.extended == extended && (frame.id & mask) == (value & mask) &&
+               !(data_only && frame.remote);
     }
     friend bool operator==(const Filter&, const Filter&) = default;
 };

@@ -14,7 +14,7 @@ void add_node_filter(FilterSet& filters, std::optional<NodeId> self) {
     if (!self) return;
     assert(self->is_valid());
     const Identifier identifier = Identifier::to_node(*self, NodeId{0});
-    filters.add({.mask = receiver_field_mask, .value = identifier.can_id()});
+    filters.add({.mask = receiver_field_mask, .value = identifier.can_id(), .data_only = true});
 }
 
 }  // namespace
@@ -30,7 +30,7 @@ FilterSet exact_filters(std::optional<NodeId> self, std::span<const GroupId> gro
     for (std::uint8_t group = 0; group <= GroupId::highest; ++group) {
         if ((wanted >> group & 1U) == 0) continue;
         const Identifier identifier = Identifier::to_group(GroupId{group}, NodeId{0});
-        filters.add({.mask = receiver_field_mask, .value = identifier.can_id()});
+        filters.add({.mask = receiver_field_mask, .value = identifier.can_id(), .data_only = true});
     }
     return filters;
 }
@@ -51,7 +51,7 @@ FilterSet mask_filters(std::optional<NodeId> self, std::span<const GroupId> grou
 }
 
 can::Filter duplicate_node_filter(NodeId self) {
-    return {.mask = format::sender_mask, .value = self.value()};
+    return {.mask = format::sender_mask, .value = self.value(), .data_only = true};
 }
 
 std::variant<Identifier, Counter> admit(const can::Frame& frame, std::optional<NodeId> self,

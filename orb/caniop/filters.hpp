@@ -30,7 +30,7 @@ class FilterSet {
 
 /// The filters for a controller with a filter list: one for the node (none without a number), then
 /// one for each group, lowest first. Nothing else passes. The masks cover Protocol and receiver;
-/// every sender passes. That remote and extended frames do not pass is the link's part.
+/// every sender passes, remote and extended frames do not.
 FilterSet exact_filters(std::optional<NodeId> self, std::span<const GroupId> groups);
 
 /// The filters for a BasicCAN controller with two mask-and-match registers: one for the node

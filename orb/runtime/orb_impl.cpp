@@ -461,7 +461,10 @@ can::Capabilities OrbImpl::capabilities() const {
 void OrbImpl::recover() {
     const Lock lock{mutex_};
     require_open();
-    controller_->recover();
+    if (auto obstacle = controller_->recover()) {
+        add_event({Event::Kind::controller_state, now(), std::move(*obstacle)});
+        wake();
+    }
 }
 
 }  // namespace canorb::runtime

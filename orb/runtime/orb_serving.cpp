@@ -161,9 +161,11 @@ void OrbImpl::serve_group(Lock& lock, const core::IncomingRequest& request) {
 Event OrbImpl::describe(const core::Notice& notice) const {
     if (const auto* changed = std::get_if<core::ControllerChanged>(&notice)) {
         const can::ErrorStatus& status = changed->change.status;
-        return {Event::Kind::controller_state, changed->change.time,
-                "the CAN controller is " + std::string{can::name(status.state)} + " (TEC " +
-                    std::to_string(status.tec) + ", REC " + std::to_string(status.rec) + ")"};
+        std::string text = "the CAN controller is " + std::string{can::name(status.state)} +
+                           " (TEC " + std::to_string(status.tec) + ", REC " +
+                           std::to_string(status.rec) + ")";
+        if (const std::string more = controller_->explanation(); !more.empty()) text += ": " + more;
+        return {Event::Kind::controller_state, changed->change.time, std::move(text)};
     }
     if (const auto* lost = std::get_if<core::LinkLostFrames>(&notice)) {
         return {Event::Kind::frames_lost, lost->loss.time,

@@ -111,8 +111,12 @@ TEST(SimProtocol, AbortListenOnlyRecover) {
 }
 
 TEST(SimProtocol, Filters) {
-    const std::string_view text = "04 0102030405060708 02  000007E0 00000460  1FFFFFFF 80000123";
-    const FilterRequest request{some_time, {{0x7E0, 0x460, false}, {0x1FFFFFFF, 0x123, true}}};
+    const std::string_view text =
+        "04 0102030405060708 03  000007E0 00000460  1FFFFFFF 80000123  0000001F 40000005";
+    const FilterRequest request{some_time,
+                                {{0x7E0, 0x460},
+                                 {0x1FFFFFFF, 0x123, true},
+                                 {.mask = 0x01F, .value = 5, .data_only = true}}};
     EXPECT_EQ(client_packet(request), golden(text));
     EXPECT_EQ(parsed_by_daemon<FilterRequest>(text).filters, request.filters);
     EXPECT_TRUE(parsed_by_daemon<FilterRequest>("04 0102030405060708 00").filters.empty());

@@ -38,13 +38,15 @@ bool pass(const std::vector<Filter>& filters, std::uint32_t id) {
                        [&](const Filter& filter) { return filter.accepts(frame); });
 }
 
-constexpr Filter node_3{.mask = 0x7E0, .value = 0x460};
+constexpr Filter node_3{.mask = 0x7E0, .value = 0x460, .data_only = true};
 
 TEST(Filters, ExactOnesAreTheNodesOwnAndOneForEachGroup) {
-    EXPECT_THAT(exact(NodeId{3}, {5, 1}), ElementsAre(node_3, Filter{.mask = 0x7E0, .value = 0x020},
-                                                      Filter{.mask = 0x7E0, .value = 0x0A0}));
+    EXPECT_THAT(exact(NodeId{3}, {5, 1}),
+                ElementsAre(node_3, Filter{.mask = 0x7E0, .value = 0x020, .data_only = true},
+                            Filter{.mask = 0x7E0, .value = 0x0A0, .data_only = true}));
     EXPECT_THAT(exact(NodeId{3}, {}), ElementsAre(node_3));
-    EXPECT_THAT(exact(std::nullopt, {31}), ElementsAre(Filter{.mask = 0x7E0, .value = 0x3E0}));
+    EXPECT_THAT(exact(std::nullopt, {31}),
+                ElementsAre(Filter{.mask = 0x7E0, .value = 0x3E0, .data_only = true}));
     EXPECT_THAT(exact(std::nullopt, {}), IsEmpty());
 }
 

@@ -199,11 +199,11 @@ std::vector<can::Filter> filters(TestEngine& node, std::size_t filter_list) {
     return {set->span().begin(), set->span().end()};
 }
 
-const can::Filter to_node_5{.mask = 0x7E0, .value = 0x4A0};
-const can::Filter from_node_5{.mask = 0x01F, .value = 0x005};
-const can::Filter to_group_1{.mask = 0x7E0, .value = 0x020};
-const can::Filter to_group_3{.mask = 0x7E0, .value = 0x060};
-const can::Filter to_group_5{.mask = 0x7E0, .value = 0x0A0};
+const can::Filter to_node_5{.mask = 0x7E0, .value = 0x4A0, .data_only = true};
+const can::Filter from_node_5{.mask = 0x01F, .value = 0x005, .data_only = true};
+const can::Filter to_group_1{.mask = 0x7E0, .value = 0x020, .data_only = true};
+const can::Filter to_group_3{.mask = 0x7E0, .value = 0x060, .data_only = true};
+const can::Filter to_group_5{.mask = 0x7E0, .value = 0x0A0, .data_only = true};
 
 void join_1_3_and_5(TestEngine& node) {
     for (const std::uint8_t group : {std::uint8_t{1}, std::uint8_t{3}, std::uint8_t{5}}) {
@@ -262,8 +262,8 @@ TEST(Filters, AreGivenWhenTheyChangeAndOnlyThen) {
     node.engine.leave(GroupId{3}, 2);
     EXPECT_THAT(filters(node, room), ElementsAre(to_node_5, to_group_5, from_node_5));
     node.engine.set_node(NodeId{6});
-    const can::Filter to_node_6{.mask = 0x7E0, .value = 0x4C0};
-    const can::Filter from_node_6{.mask = 0x01F, .value = 0x006};
+    const can::Filter to_node_6{.mask = 0x7E0, .value = 0x4C0, .data_only = true};
+    const can::Filter from_node_6{.mask = 0x01F, .value = 0x006, .data_only = true};
     EXPECT_THAT(filters(node, room), ElementsAre(to_node_6, to_group_5, from_node_6));
     node.engine.set_node({});
     EXPECT_THAT(filters(node, room), ElementsAre(to_group_5));

@@ -32,7 +32,7 @@ class FaultyController final : public can::Controller {
     }
     bool set_listen_only(bool on) override { return real_->set_listen_only(on); }
     can::ErrorStatus error_status() const override { return real_->error_status(); }
-    void recover() override { real_->recover(); }
+    std::optional<std::string> recover() override { return real_->recover(); }
     int event_fd() const override { return real_->event_fd(); }
 
     std::optional<can::ControllerEvent> poll() override {

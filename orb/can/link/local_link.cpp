@@ -115,9 +115,9 @@ class LocalController final : public Controller {
         const LocalBus::Present present{*bus_};
         return controller_->error_status();
     }
-    void recover() override {
+    std::optional<std::string> recover() override {
         const LocalBus::Present present{*bus_};
-        controller_->recover();
+        return controller_->recover();
     }
     std::optional<ControllerEvent> poll() override {
         const LocalBus::Present present{*bus_};

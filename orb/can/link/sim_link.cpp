@@ -152,7 +152,7 @@ class SimController final : public Controller {
         return status_;
     }
 
-    void recover() override {
+    std::optional<std::string> recover() override {
         const std::lock_guard lock{mutex_};
         if (status_.state == ControllerState::bus_off) {
             recover_unsent_ = true;
@@ -162,6 +162,7 @@ class SimController final : public Controller {
             set_timer(reconnect_interval_ns);
             reconnect();
         }
+        return std::nullopt;
     }
 
     std::optional<ControllerEvent> poll() override {

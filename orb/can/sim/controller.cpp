@@ -37,8 +37,9 @@ ErrorStatus Controller::error_status() const {
     return bus_.error_status(node_);
 }
 
-void Controller::recover() {
+std::optional<std::string> Controller::recover() {
     bus_.recover(node_);
+    return std::nullopt;
 }
 
 std::optional<ControllerEvent> Controller::poll() {

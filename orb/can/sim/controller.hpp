@@ -18,7 +18,7 @@ class Controller : public can::Controller {
     [[nodiscard]] bool set_filters(std::span<const Filter> filters) override;
     [[nodiscard]] bool set_listen_only(bool on) override;
     ErrorStatus error_status() const override;
-    void recover() override;
+    std::optional<std::string> recover() override;
     std::optional<ControllerEvent> poll() override;
     int event_fd() const override { return -1; }
 

@@ -27,6 +27,7 @@ constexpr std::uint8_t query_flag = 0x01;
 constexpr std::uint8_t paced_flag = 0x01;
 constexpr std::uint8_t one_shot_flag = 0x01;
 constexpr std::uint32_t extended_flag = 0x80000000;
+constexpr std::uint32_t data_only_flag = 0x40000000;
 constexpr std::uint32_t remote_flag = 0x40000000;
 
 /// Takes fields off the front of a packet. Once one is missing all that follow read as 0 and
@@ -166,7 +167,9 @@ void put(Packet& packet, const FilterRequest& request) {
     packet.put8(static_cast<std::uint8_t>(request.filters.size()));
     for (const Filter& filter : request.filters) {
         packet.put32(filter.mask);
-        packet.put32((filter.value & ~extended_flag) | (filter.extended ? extended_flag : 0));
+        packet.put32((filter.value & ~(extended_flag | data_only_flag)) |
+                     (filter.extended ? extended_flag : 0) |
+                     (filter.data_only ? data_only_flag : 0));
     }
 }
 
@@ -261,8 +264,9 @@ FilterRequest get_filters(Reader& reader) {
         Filter filter;
         filter.mask = reader.get32();
         const std::uint32_t value = reader.get32();
-        filter.value = value & ~extended_flag;
+        filter.value = value & ~(extended_flag | data_only_flag);
         filter.extended = (value & extended_flag) != 0;
+        filter.data_only = (value & data_only_flag) != 0;
         request.filters.push_back(filter);
     }
     return request;

@@ -104,17 +104,23 @@ class SimBus final : public LinkBus {
 }  // namespace
 
 std::vector<LinkKind> all_links() {
-    return {
-        {"Virtual", [](std::uint32_t bitrate) { return std::make_unique<VirtualBus>(bitrate); },
-         false, false},
-        {"Local", [](std::uint32_t bitrate) { return std::make_unique<LocalBus>(bitrate); }, true,
-         true},
-        {"SimPaced", [](std::uint32_t bitrate) { return std::make_unique<SimBus>(bitrate, true); },
-         true, true},
-        {"SimUnpaced",
-         [](std::uint32_t bitrate) { return std::make_unique<SimBus>(bitrate, false); }, false,
-         true},
-    };
+    std::vector<LinkKind> links;
+    links.push_back(
+        {.name = "Virtual",
+         .open = [](std::uint32_t bitrate) { return std::make_unique<VirtualBus>(bitrate); },
+         .has_event_fd = false});
+    links.push_back(
+        {.name = "Local",
+         .open = [](std::uint32_t bitrate) { return std::make_unique<LocalBus>(bitrate); },
+         .keeps_to_clock = true});
+    links.push_back(
+        {.name = "SimPaced",
+         .open = [](std::uint32_t bitrate) { return std::make_unique<SimBus>(bitrate, true); },
+         .keeps_to_clock = true});
+    links.push_back({.name = "SimUnpaced", .open = [](std::uint32_t bitrate) {
+                         return std::make_unique<SimBus>(bitrate, false);
+                     }});
+    return links;
 }
 
 void Station::drain() {

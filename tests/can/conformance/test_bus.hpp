@@ -35,8 +35,10 @@ class TestBus {
 struct LinkKind {
     std::string name;
     std::function<std::unique_ptr<TestBus>(std::uint32_t bitrate)> open;
-    bool keeps_to_clock;  ///< a frame takes its time on the clock of monotonic_now()
-    bool has_event_fd;    ///< and may be used by several threads
+    bool keeps_to_clock = false;  ///< a frame takes its time on the clock of monotonic_now()
+    bool has_event_fd = true;     ///< and may be used by several threads
+    bool acknowledges = true;     ///< a frame waits until another node acknowledges it
+    bool one_clock = true;        ///< all nodes have the same time stamp for a frame
 
     /// For GoogleTest's messages.
     friend void PrintTo(const LinkKind& kind, std::ostream* out) { *out << kind.name; }
