@@ -5,6 +5,7 @@
 #include "orb/can/link/link.hpp"
 #include "orb/can/link/local_link.hpp"
 #include "orb/can/link/sim_link.hpp"
+#include "orb/can/link/socketcan_link.hpp"
 
 namespace canorb::can {
 namespace {
@@ -20,8 +21,7 @@ Opened open(const SimAddress& address) {
 }
 
 Opened open(const SocketCanAddress& address) {
-    return Failure{"socketcan:" + address.interface +
-                   ": this build has no SocketCAN link yet; use sim:PATH or local:NAME"};
+    return open_socketcan_link(address);
 }
 
 }  // namespace

@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include <cerrno>
+#include <cstdlib>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 
@@ -101,6 +103,32 @@ class SimBus final : public LinkBus {
     std::thread thread_;
 };
 
+/// Interfaces that are joined, one after the other for each controller. They belong to the machine:
+/// what other tests sent there may be on its way still.
+class SocketCanBus final : public LinkBus {
+  public:
+    explicit SocketCanBus(std::vector<std::string> interfaces)
+        : interfaces_(std::move(interfaces)) {}
+
+    std::unique_ptr<Controller> attach() override {
+        open("socketcan:" + interfaces_[attached_++ % interfaces_.size()]);
+        return LinkBus::attach();
+    }
+
+  private:
+    std::vector<std::string> interfaces_;
+    std::size_t attached_ = 0;
+};
+
+/// The interfaces that an environment variable names, as "can0,can1".
+std::vector<std::string> interfaces_in(const char* variable) {
+    std::vector<std::string> names;
+    const char* const value = std::getenv(variable);
+    std::istringstream text{value != nullptr ? value : ""};
+    for (std::string name; std::getline(text, name, ',');) names.push_back(name);
+    return names;
+}
+
 }  // namespace
 
 std::vector<LinkKind> all_links() {
@@ -120,6 +148,19 @@ std::vector<LinkKind> all_links() {
     links.push_back({.name = "SimUnpaced", .open = [](std::uint32_t bitrate) {
                          return std::make_unique<SimBus>(bitrate, false);
                      }});
+    if (const auto names = interfaces_in("CANORB_TEST_VCAN"); !names.empty()) {
+        links.push_back(
+            {.name = "Vcan",
+             .open = [names](std::uint32_t) { return std::make_unique<SocketCanBus>(names); },
+             .acknowledges = false});
+    }
+    if (const auto names = interfaces_in("CANORB_TEST_CAN_PAIR"); !names.empty()) {
+        links.push_back(
+            {.name = "CanPair",
+             .open = [names](std::uint32_t) { return std::make_unique<SocketCanBus>(names); },
+             .acknowledges = false,
+             .one_clock = false});
+    }
     return links;
 }
 
