@@ -39,6 +39,7 @@ struct LinkKind {
     bool has_event_fd = true;     ///< and may be used by several threads
     bool acknowledges = true;     ///< a frame waits until another node acknowledges it
     bool one_clock = true;        ///< all nodes have the same time stamp for a frame
+    bool remote_length = true;    ///< a remote frame's DLC may be other than 0
 
     /// For GoogleTest's messages.
     friend void PrintTo(const LinkKind& kind, std::ostream* out) { *out << kind.name; }
