@@ -2,10 +2,13 @@
 
 #include <sys/un.h>
 
+#include <algorithm>
 #include <cctype>
 #include <charconv>
 
 #include "orb/can/link/link.hpp"
+#include "orb/can/link/serial_port.hpp"
+#include "orb/can/link/slcan_protocol.hpp"
 #include "orb/can/sim/frame_bus.hpp"
 
 namespace canorb::can {
@@ -14,7 +17,9 @@ namespace {
 constexpr std::string_view local_scheme = "local:";
 constexpr std::string_view sim_scheme = "sim:";
 constexpr std::string_view socketcan_scheme = "socketcan:";
+constexpr std::string_view slcan_scheme = "slcan:";
 constexpr std::string_view bitrate_option = "bitrate=";
+constexpr std::string_view baud_option = "baud=";
 constexpr std::size_t longest_interface_name = 15;  // IFNAMSIZ - 1
 constexpr std::size_t longest_socket_path = sizeof(sockaddr_un{}.sun_path) - 1;
 
@@ -73,6 +78,60 @@ Result<BusAddress, std::string> parse_socketcan(std::string_view interface) {
     return BusAddress{SocketCanAddress{std::string{interface}}};
 }
 
+/// 0 when it is no number.
+std::uint32_t number(std::string_view text) {
+    std::uint32_t value = 0;
+    const char* const end = text.data() + text.size();
+    const auto [stop, error] = std::from_chars(text.data(), end, value);
+    return error == std::errc{} && stop == end ? value : 0;
+}
+
+/// The error is a sentence for people.
+std::optional<std::string> set_slcan_option(SlcanAddress& address, std::string_view option) {
+    if (option.starts_with(bitrate_option)) {
+        option.remove_prefix(bitrate_option.size());
+        address.bitrate = number(option);
+        if (!slcan::bitrate_digit(address.bitrate)) {
+            std::string problem = quoted(option) + " is not a bit rate of slcan:; it has";
+            for (const std::uint32_t bitrate : slcan::bitrates) {
+                problem += ' ' + std::to_string(bitrate);
+            }
+            return problem;
+        }
+    } else if (option.starts_with(baud_option)) {
+        option.remove_prefix(baud_option.size());
+        address.baud = number(option);
+        if (!is_baud(address.baud)) {
+            return quoted(option) + " is not a speed of serial lines, such as 115200";
+        }
+    } else if (option == "answers=yes" || option == "answers=no") {
+        address.answers = option == "answers=yes";
+    } else {
+        return "slcan: has no option " + quoted(option) +
+               "; it knows bitrate=BITS_PER_SECOND, baud=BITS_PER_SECOND and answers=no";
+    }
+    return std::nullopt;
+}
+
+Result<BusAddress, std::string> parse_slcan(std::string_view rest) {
+    SlcanAddress address;
+    const std::size_t mark = rest.find('?');
+    address.device = std::string{rest.substr(0, mark)};
+    if (address.device.empty() || address.device.find('\0') != std::string::npos) {
+        return Failure{std::string{"slcan: needs a serial port, for example slcan:/dev/ttyACM0"}};
+    }
+    if (mark == std::string_view::npos) return BusAddress{address};
+    std::size_t begin = mark + 1;
+    while (true) {
+        const std::size_t end = std::min(rest.find('&', begin), rest.size());
+        if (auto problem = set_slcan_option(address, rest.substr(begin, end - begin))) {
+            return Failure{*problem};
+        }
+        if (end == rest.size()) return BusAddress{address};
+        begin = end + 1;
+    }
+}
+
 }  // namespace
 
 Result<std::uint32_t, std::string> parse_bitrate(std::string_view text) {
@@ -94,9 +153,10 @@ Result<BusAddress, std::string> parse_bus_address(std::string_view address) {
     if (address.starts_with(socketcan_scheme)) {
         return parse_socketcan(address.substr(socketcan_scheme.size()));
     }
+    if (address.starts_with(slcan_scheme)) return parse_slcan(address.substr(slcan_scheme.size()));
     return Failure{quoted(address) +
                    " is not a bus address: it begins with none of local:NAME, sim:PATH, "
-                   "socketcan:IFNAME"};
+                   "socketcan:IFNAME, slcan:DEVICE"};
 }
 
 }  // namespace canorb::can

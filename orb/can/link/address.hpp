@@ -26,7 +26,15 @@ struct SocketCanAddress {
     std::string interface;
 };
 
-using BusAddress = std::variant<LocalAddress, SimAddress, SocketCanAddress>;
+/// `slcan:DEVICE[?bitrate=N][&baud=N][&answers=no]`
+struct SlcanAddress {
+    std::string device;               ///< a serial port
+    std::uint32_t bitrate = 500'000;  ///< of the CAN bus; one of slcan::bitrates
+    std::uint32_t baud = 115'200;     ///< of the serial line
+    bool answers = true;              ///< no: the peer answers no command
+};
+
+using BusAddress = std::variant<LocalAddress, SimAddress, SocketCanAddress, SlcanAddress>;
 
 /// The error is a sentence for people.
 Result<BusAddress, std::string> parse_bus_address(std::string_view address);

@@ -5,6 +5,7 @@
 #include "orb/can/link/link.hpp"
 #include "orb/can/link/local_link.hpp"
 #include "orb/can/link/sim_link.hpp"
+#include "orb/can/link/slcan_link.hpp"
 #include "orb/can/link/socketcan_link.hpp"
 
 namespace canorb::can {
@@ -22,6 +23,10 @@ Opened open(const SimAddress& address) {
 
 Opened open(const SocketCanAddress& address) {
     return open_socketcan_link(address);
+}
+
+Opened open(const SlcanAddress& address) {
+    return open_slcan_link(address);
 }
 
 }  // namespace

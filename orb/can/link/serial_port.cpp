@@ -17,13 +17,12 @@
 namespace canorb::can {
 namespace {
 
-constexpr std::array<std::pair<std::uint32_t, speed_t>, 23> speeds{{
-    {1200, B1200},       {2400, B2400},       {4800, B4800},       {9600, B9600},
-    {19200, B19200},     {38400, B38400},     {57600, B57600},     {115200, B115200},
-    {230400, B230400},   {460800, B460800},   {500000, B500000},   {576000, B576000},
-    {921600, B921600},   {1000000, B1000000}, {1152000, B1152000}, {1500000, B1500000},
-    {2000000, B2000000}, {2500000, B2500000}, {3000000, B3000000}, {3500000, B3500000},
-    {4000000, B4000000}, {300, B300},         {600, B600},
+constexpr std::array<std::pair<std::uint32_t, speed_t>, 19> speeds{{
+    {2400, B2400},       {4800, B4800},       {9600, B9600},       {19200, B19200},
+    {38400, B38400},     {57600, B57600},     {115200, B115200},   {230400, B230400},
+    {460800, B460800},   {500000, B500000},   {576000, B576000},   {921600, B921600},
+    {1000000, B1000000}, {1500000, B1500000}, {2000000, B2000000}, {2500000, B2500000},
+    {3000000, B3000000}, {3500000, B3500000}, {4000000, B4000000},
 }};
 
 std::optional<speed_t> speed_of(std::uint32_t baud) {
@@ -35,7 +34,7 @@ std::optional<speed_t> speed_of(std::uint32_t baud) {
 
 std::string no_permission(const std::string& device) {
     const std::string problem = "no permission to use " + device + ": ";
-    struct stat status {};
+    struct stat status{};
     if (::stat(device.c_str(), &status) != 0) return problem + error_text(errno);
     std::array<char, 4096> buffer;
     constexpr mode_t group_may = S_IRGRP | S_IWGRP;
@@ -43,8 +42,7 @@ std::string no_permission(const std::string& device) {
         group entry{};
         group* found = nullptr;
         ::getgrgid_r(status.st_gid, &entry, buffer.data(), buffer.size(), &found);
-        const std::string name =
-            found != nullptr ? found->gr_name : std::to_string(status.st_gid);
+        const std::string name = found != nullptr ? found->gr_name : std::to_string(status.st_gid);
         return problem + "add yourself to the group " + name + " (usermod -aG " + name +
                " USER) and log in again";
     }
@@ -81,8 +79,9 @@ Result<SerialPort, std::string> SerialPort::open(const std::string& device, std:
     if (!descriptor.is_open()) return Failure{cannot_open(device, errno)};
     termios before{};
     if (::tcgetattr(descriptor.get(), &before) != 0) {
-        return Failure{device + " is not a terminal: slcan: takes a serial port such as "
-                                "/dev/ttyACM0"};
+        return Failure{device +
+                       " is not a terminal: slcan: takes a serial port such as "
+                       "/dev/ttyACM0"};
     }
     // The lock also keeps out the superuser, whom TIOCEXCL lets pass.
     if (::flock(descriptor.get(), LOCK_EX | LOCK_NB) != 0) {

@@ -76,8 +76,7 @@ struct Ignored {};
 struct Malformed {};
 
 /// What a peer says: a frame, an answer, or ("saRRRTTT" and so on) its state.
-using Message =
-    std::variant<Frame, Done, Refused, Version, Flags, ErrorStatus, Ignored, Malformed>;
+using Message = std::variant<Frame, Done, Refused, Version, Flags, ErrorStatus, Ignored, Malformed>;
 
 /// A line without its CR.
 Message parse_line(std::string_view line);
