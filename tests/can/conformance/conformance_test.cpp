@@ -61,6 +61,7 @@ class Conformance : public testing::TestWithParam<LinkKind> {
     Station& holding_station() {
         Station& added = station();
         EXPECT_TRUE(added->set_listen_only(true));
+        EXPECT_TRUE(until([&] { return bus_->is_silent(*added); }));
         return added;
     }
     void release(Station& holder) { EXPECT_TRUE(holder->set_listen_only(false)); }
@@ -100,6 +101,10 @@ class Conformance : public testing::TestWithParam<LinkKind> {
 /// Tests in which frames have to wait until the test lets them go.
 class WaitingFrames : public Conformance {
   protected:
+    /// Goes out before all others, so it does not matter that a link may have handed it on already
+    /// when the others come.
+    static constexpr std::uint32_t foremost = 0x001;
+
     void SetUp() override {
         open();
         if (!GetParam().acknowledges || !bus_->attach()->capabilities().listen_only) {
@@ -203,26 +208,30 @@ TEST_P(WaitingFrames, SendsTheLowestIdentifierFirst) {
     Station& sender = station();
     Station& holder = holding_station();
     if (sender->capabilities().fifo) GTEST_SKIP() << "this link's mailboxes are a queue";
-    for (const std::uint32_t id : {0x300U, 0x100U, 0x7EFU, 0x200U}) send(sender, data_frame(id));
+    for (const std::uint32_t id : {foremost, 0x300U, 0x100U, 0x7EFU, 0x200U}) {
+        send(sender, data_frame(id));
+    }
     release(holder);
-    ASSERT_TRUE(until([&] { return holder.received.size() >= 4; }));
-    EXPECT_EQ(holder.received_ids(), (Ids{0x100, 0x200, 0x300, 0x7EF}));
+    ASSERT_TRUE(until([&] { return holder.received.size() >= 5; }));
+    EXPECT_EQ(holder.received_ids(), (Ids{foremost, 0x100, 0x200, 0x300, 0x7EF}));
 }
 
 TEST_P(WaitingFrames, SendsDataBeforeRemoteBeforeExtended) {
     Station& sender = station();
     Station& holder = holding_station();
+    send(sender, data_frame(foremost));
     send(sender, extended_frame(0x100U << 18));
     send(sender, remote_frame(0x100, 0));
     send(sender, data_frame(0x100));
     release(holder);
-    ASSERT_TRUE(until([&] { return holder.received.size() >= 3; }));
-    EXPECT_FALSE(holder.received[0].frame.remote);
-    EXPECT_TRUE(holder.received[1].frame.remote);
-    EXPECT_TRUE(holder.received[2].frame.extended);
+    ASSERT_TRUE(until([&] { return holder.received.size() >= 4; }));
+    EXPECT_FALSE(holder.received[1].frame.remote);
+    EXPECT_TRUE(holder.received[2].frame.remote);
+    EXPECT_TRUE(holder.received[3].frame.extended);
 }
 
 TEST_P(WaitingFrames, FramesOccupyTheBusForTheirExactLength) {
+    if (!GetParam().exact_times) GTEST_SKIP() << "the time stamps are those of reading";
     Station& sender = station();
     Station& holder = holding_station();
     const std::array<Frame, 3> frames{data_frame(0x100, {0, 0, 0, 0}), data_frame(0x200),
@@ -329,19 +338,20 @@ TEST_P(Conformance, IsFullWhenAllMailboxesAreTaken) {
 TEST_P(WaitingFrames, AbortsWhatWaits) {
     Station& sender = station();
     Station& holder = holding_station();
+    const TransmitHandle zeroth = send(sender, data_frame(foremost));
     const TransmitHandle first = send(sender, data_frame(0x100));
     const TransmitHandle second = send(sender, data_frame(0x100, {1}));
     const TransmitHandle third = send(sender, data_frame(0x200));
     sender->abort(first);
     sender->abort(third);
-    ASSERT_TRUE(until([&] { return sender.results.size() == 2; }));
+    ASSERT_TRUE(until([&] { return sender.results_with(TransmitOutcome::aborted).size() == 2; }));
     EXPECT_THAT(sender.results_with(TransmitOutcome::aborted),
                 testing::UnorderedElementsAre(first, third));
     release(holder);
-    ASSERT_TRUE(until([&] { return sender.results.size() == 3 && !holder.received.empty(); }));
-    EXPECT_THAT(sender.results_with(TransmitOutcome::sent), ElementsAre(second));
+    ASSERT_TRUE(until([&] { return sender.results.size() == 4 && holder.received.size() == 2; }));
+    EXPECT_THAT(sender.results_with(TransmitOutcome::sent), ElementsAre(zeroth, second));
     expect_sentinel(sender, holder);
-    EXPECT_EQ(holder.received_ids(), (Ids{0x100, sentinel}));
+    EXPECT_EQ(holder.received_ids(), (Ids{foremost, 0x100, sentinel}));
 }
 
 TEST_P(Conformance, IgnoresAbortsOfWhatIsOver) {
@@ -377,9 +387,13 @@ TEST_P(Conformance, ALoneNodeGoesErrorPassiveAndSendsWhenSomebodyComes) {
     send(lone, data_frame(0x100, {42}));
     ASSERT_TRUE(until([&] { return !lone.states.empty(); }));
     EXPECT_EQ(lone.states[0].status.state, ControllerState::error_passive);
-    EXPECT_EQ(lone.states[0].status.tec, 128);
+    if (GetParam().tells_error_counters) {
+        EXPECT_EQ(lone.states[0].status.tec, 128);
+    }
     EXPECT_EQ(lone->error_status().state, ControllerState::error_passive);
-    EXPECT_THAT(lone.results, IsEmpty());
+    if (GetParam().sent_is_acknowledged) {
+        EXPECT_THAT(lone.results, IsEmpty());
+    }
     Station& other = station();
     ASSERT_TRUE(until([&] { return lone.results.size() == 1; }));
     EXPECT_EQ(lone.results[0].outcome, TransmitOutcome::sent);
@@ -413,7 +427,10 @@ TEST_P(WaitingFrames, ListenOnlyReceivesButNeitherSendsNorAcknowledges) {
     EXPECT_EQ(listener->send(data_frame(0x100)), SendResult{SendError::unsupported});
     send(sender, data_frame(0x100));
     ASSERT_TRUE(until([&] { return !sender.states.empty(); }));
-    EXPECT_THAT(sender.results, IsEmpty());
+    if (GetParam().sent_is_acknowledged) {
+        EXPECT_THAT(sender.results, IsEmpty());
+    }
+    EXPECT_THAT(listener.received, IsEmpty());
     Station& third = station();
     ASSERT_TRUE(until([&] { return !sender.results.empty() && !listener.received.empty(); }));
     expect_sentinel(sender, third);
@@ -458,12 +475,16 @@ TEST_P(Conformance, CountsTheFramesThatItLoses) {
             ASSERT_TRUE(bus_->wait(only_sender));
         }
     }
-    ASSERT_TRUE(until([&] { return slow.received.size() + slow.lost >= total; }));
+    ASSERT_TRUE(until([&] {
+        return GetParam().counts_losses ? slow.received.size() + slow.lost >= total : slow.lost > 0;
+    }));
     EXPECT_GT(slow.lost, 0U);
     EXPECT_GT(slow.received.size(), 100U);
     slow.received.clear();
     expect_sentinel(sender, slow);
-    EXPECT_EQ(slow.received_ids(), Ids{sentinel});
+    if (GetParam().counts_losses) {
+        EXPECT_EQ(slow.received_ids(), Ids{sentinel});
+    }
 }
 
 TEST_P(Conformance, EventFdIsReadableWhileThereAreEvents) {
@@ -478,13 +499,14 @@ TEST_P(Conformance, EventFdIsReadableWhileThereAreEvents) {
         pollfd descriptor{each->event_fd(), POLLIN, 0};
         return ::poll(&descriptor, 1, patience_ms) == 1;
     };
-    EXPECT_FALSE(readable(receiver, 0));
+    const bool tells_of_nothing = !GetParam().wakes_for_events_only;
+    EXPECT_TRUE(tells_of_nothing || !readable(receiver, 0));
     send(sender, data_frame(0x100));
     EXPECT_TRUE(readable(receiver, 20'000));
     EXPECT_TRUE(readable(receiver, 0)) << "waiting does not consume it";
     ASSERT_TRUE(until([&] { return !receiver.received.empty() && !sender.results.empty(); }));
     EXPECT_EQ(receiver->poll(), std::nullopt);
-    EXPECT_FALSE(readable(receiver, 0));
+    EXPECT_TRUE(tells_of_nothing || !readable(receiver, 0));
 }
 
 TEST_P(Conformance, ThreadsMaySendAtOnce) {

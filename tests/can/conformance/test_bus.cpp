@@ -3,8 +3,10 @@
 #include <poll.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdlib>
+#include <deque>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -14,6 +16,7 @@
 #include "orb/can/link/link.hpp"
 #include "orb/can/sim/controller.hpp"
 #include "orb/can/sim/frame_bus.hpp"
+#include "tests/can/slcan_adapter.hpp"
 #include "tests/can/temporary_directory.hpp"
 
 namespace canorb::can::test {
@@ -120,6 +123,40 @@ class SocketCanBus final : public LinkBus {
     std::size_t attached_ = 0;
 };
 
+/// Each controller has an adapter of its own; those are nodes of one local bus.
+class SlcanBus final : public LinkBus {
+  public:
+    explicit SlcanBus(std::uint32_t bitrate) : bitrate_(std::to_string(bitrate)) {}
+
+    std::unique_ptr<Controller> attach() override {
+        Node& node = nodes_.emplace_back("local:behind-adapters?bitrate=" + bitrate_);
+        open("slcan:" + node.adapter.device() + "?bitrate=" + bitrate_);
+        auto controller = LinkBus::attach();
+        node.controller = controller.get();
+        return controller;
+    }
+    void settle() override {
+        for (const Node& node : nodes_) {
+            while (node.adapter.is_open() && !node.adapter.is_in_use()) std::this_thread::yield();
+        }
+    }
+    bool is_silent(const Controller& controller) override {
+        return std::any_of(nodes_.begin(), nodes_.end(), [&](const Node& node) {
+            return node.controller == &controller && node.adapter.listens_only();
+        });
+    }
+
+  private:
+    struct Node {
+        explicit Node(const std::string& bus_address) : adapter(bus_address) {}
+        SlcanAdapter adapter;
+        const Controller* controller = nullptr;
+    };
+
+    std::string bitrate_;
+    std::deque<Node> nodes_;
+};
+
 /// The interfaces that an environment variable names, as "can0,can1".
 std::vector<std::string> interfaces_in(const char* variable) {
     std::vector<std::string> names;
@@ -148,6 +185,15 @@ std::vector<LinkKind> all_links() {
     links.push_back({.name = "SimUnpaced", .open = [](std::uint32_t bitrate) {
                          return std::make_unique<SimBus>(bitrate, false);
                      }});
+    links.push_back(
+        {.name = "Slcan",
+         .open = [](std::uint32_t bitrate) { return std::make_unique<SlcanBus>(bitrate); },
+         .one_clock = false,
+         .exact_times = false,
+         .sent_is_acknowledged = false,
+         .tells_error_counters = false,
+         .counts_losses = false,
+         .wakes_for_events_only = false});
     if (const auto names = interfaces_in("CANORB_TEST_VCAN"); !names.empty()) {
         links.push_back(
             {.name = "Vcan",

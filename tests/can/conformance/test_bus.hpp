@@ -27,6 +27,9 @@ class TestBus {
     /// Returns when the bus knows that the controllers destroyed before have left.
     virtual void settle() {}
 
+    /// Whether set_listen_only(true) has reached the bus.
+    virtual bool is_silent(const Controller&) { return true; }
+
   protected:
     TestBus() = default;
 };
@@ -40,6 +43,12 @@ struct LinkKind {
     bool acknowledges = true;     ///< a frame waits until another node acknowledges it
     bool one_clock = true;        ///< all nodes have the same time stamp for a frame
     bool remote_length = true;    ///< a remote frame's DLC may be other than 0
+    bool exact_times = true;      ///< time stamps are those of the bus, not of reading
+    /// `sent` comes with the acknowledgement, not when something behind the link took the frame.
+    bool sent_is_acknowledged = true;
+    bool tells_error_counters = true;
+    bool counts_losses = true;          ///< how many frames were lost, not only that some were
+    bool wakes_for_events_only = true;  ///< event_fd() is readable only when there is an event
 
     /// For GoogleTest's messages.
     friend void PrintTo(const LinkKind& kind, std::ostream* out) { *out << kind.name; }
