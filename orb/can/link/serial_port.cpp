@@ -135,16 +135,22 @@ std::optional<std::size_t> SerialPort::write(std::string_view octets) const {
     }
 }
 
+int SerialPort::unsent() const {
+    int octets = 0;
+    return ::ioctl(fd(), TIOCOUTQ, &octets) == 0 ? octets : 0;
+}
+
+void SerialPort::drain() const {
+    // tcdrain() need not end with a device that takes nothing.
+    for (int waited = 0; unsent() > 0 && waited < 100; ++waited) {
+        std::this_thread::sleep_for(std::chrono::milliseconds{1});
+    }
+}
+
 void SerialPort::close() {
     if (!is_open()) return;
-    using namespace std::chrono_literals;
-    // Neither tcdrain() nor close() could be trusted to end with a device that takes nothing.
-    int unsent = 0;
-    for (int waited = 0; waited < 100; ++waited) {
-        if (::ioctl(fd(), TIOCOUTQ, &unsent) != 0 || unsent == 0) break;
-        std::this_thread::sleep_for(1ms);
-    }
-    if (unsent != 0) ::tcflush(fd(), TCOFLUSH);
+    // Else the kernel waits for the device up to 30 s.
+    if (unsent() > 0) ::tcflush(fd(), TCOFLUSH);
     ::tcsetattr(fd(), TCSANOW, &before_);
     ::ioctl(fd(), TIOCNXCL);
     descriptor_.reset();

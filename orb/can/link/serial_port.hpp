@@ -18,7 +18,7 @@ namespace canorb::can {
 bool is_baud(std::uint32_t baud);
 
 /// A terminal that carries octets: raw, 8 data bits, no parity, 1 stop bit, no flow control.
-/// Nobody else can open it, and it gets its settings back when it is closed. Nothing blocks.
+/// Nobody else can open it, and it gets its settings back when it is closed. Only drain() blocks.
 class SerialPort {
   public:
     /// None.
@@ -38,12 +38,18 @@ class SerialPort {
     /// How many octets it took; 0 when there is no room now, nothing when the terminal is gone.
     std::optional<std::size_t> write(std::string_view octets) const;
 
-    /// What was written is sent first, as far as that takes no longer than 100 ms.
+    /// Waits until what was written is sent, 100 ms at most.
+    void drain() const;
+
+    /// What is not sent by now is lost.
     void close();
 
   private:
     SerialPort(Descriptor descriptor, const termios& before)
         : descriptor_(std::move(descriptor)), before_(before) {}
+
+    /// Octets that are written but not sent.
+    int unsent() const;
 
     Descriptor descriptor_;
     termios before_{};
