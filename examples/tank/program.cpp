@@ -89,7 +89,12 @@ void keep_on_bus(canorb::Orb& orb) {
     using canorb::can::ControllerState;
     orb.every(std::chrono::seconds{1}, [&orb] {
         const ControllerState state = orb.error_status().state;
-        if (state == ControllerState::bus_off || state == ControllerState::stopped) orb.recover();
+        if (state != ControllerState::bus_off && state != ControllerState::stopped) return;
+        try {
+            orb.recover();
+        } catch (const canorb::NO_PERMISSION&) {
+            // The event about bus-off has said what its administrator can do.
+        }
     });
 }
 

@@ -138,7 +138,9 @@ class Controller {
     virtual std::optional<ControllerEvent> poll() = 0;
 
     /// A file descriptor that is readable while poll() may have an event, or -1 where there is
-    /// none (a virtual bus). Valid as long as the controller; do not read from it.
+    /// none (a virtual bus). What follows at once from a call of one's own does not make it
+    /// readable: poll() after send() and abort(), and then wait. Valid as long as the controller;
+    /// do not read from it.
     virtual int event_fd() const = 0;
 
   protected:

@@ -156,6 +156,7 @@ bool OrbImpl::wait(Lock& lock, Role role, TimePoint deadline, Done done) {
         if (is_done || closed_ || time >= deadline) break;
         if (too_deep() && refuse_nested(time)) continue;
         if (may_run(role) && run_one(lock)) continue;
+        if (may_have_events_) continue;
         const TimePoint until = std::min(deadline, wakeup(role));
         if (!leading_) {
             lead(lock, until);
@@ -186,7 +187,8 @@ void OrbImpl::lead(Lock& lock, TimePoint until) {
     ::ppoll(sources, 2, until == never ? nullptr : &timeout, nullptr);
     lock.lock();
     leading_ = false;
-    wake_signal_.clear();
+    if (sources[0].revents != 0) wake_signal_.clear();
+    if (sources[1].revents != 0) may_have_events_ = true;
     changed_.notify_all();
 }
 
@@ -212,14 +214,16 @@ TimePoint OrbImpl::wakeup(Role role) const {
 
 bool OrbImpl::exchange(TimePoint now, bool serving) {
     bool any = false;
-    for (int i = 0; i < max_events_in_a_row; ++i) {
+    for (int i = 0; may_have_events_ && i < max_events_in_a_row; ++i) {
         // Requests are served as they come, so that a burst of them waits in the controller's
         // receive queue and not in ours.
         if (serving && engine_.has_request()) break;
-        const auto event = controller_->poll();
-        if (!event) break;
-        engine_.on_event(*event, now);
-        any = true;
+        if (const auto event = controller_->poll()) {
+            engine_.on_event(*event, now);
+            any = true;
+        } else {
+            may_have_events_ = false;
+        }
     }
     engine_.on_time(now);
     collect_notices();
@@ -265,6 +269,7 @@ void OrbImpl::transmit(TimePoint now) {
         const auto* handle = std::get_if<can::TransmitHandle>(&result);
         if (handle == nullptr) break;  // full, or an event about the link's state is on its way
         engine_.handed_over(*handle);
+        may_have_events_ = true;  // it may be confirmed already
     }
 }
 
@@ -385,6 +390,7 @@ void OrbImpl::poll() {
         return;
     }
     ++waiting_;
+    may_have_events_ = true;  // nobody has waited for the controller
     exchange(now(), may_run(Role::loop));
     // Not for ever: who polls has other things to do.
     for (std::size_t i = 0; i < max_polled && !closed_; ++i) {
@@ -417,6 +423,7 @@ void OrbImpl::cancel_timer(TimerId timer) {
 bool OrbImpl::work() {
     Lock lock{mutex_};
     const TimePoint time = now();
+    may_have_events_ = true;  // a virtual bus wakes nobody
     // What came may have ended a call: its caller must know before time goes on.
     const bool came = exchange(time, may_run(Role::loop));
     if (too_deep()) return refuse_nested(time) || came;
@@ -461,10 +468,7 @@ can::Capabilities OrbImpl::capabilities() const {
 void OrbImpl::recover() {
     const Lock lock{mutex_};
     require_open();
-    if (auto obstacle = controller_->recover()) {
-        add_event({Event::Kind::controller_state, now(), std::move(*obstacle)});
-        wake();
-    }
+    if (const auto obstacle = controller_->recover()) throw NO_PERMISSION(*obstacle);
 }
 
 }  // namespace canorb::runtime

@@ -190,6 +190,9 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     bool served_last_ = false;  ///< a request, and no timer since
     bool closed_ = false;
     bool leading_ = false;
+    /// The controller's poll() may have an event that its event_fd() does not tell of, or has told
+    /// of already.
+    bool may_have_events_ = true;
     int loops_ = 0;    ///< threads in the event loop
     int waiting_ = 0;  ///< threads in wait()
     int depth_ = 0;    ///< of nested user code

@@ -100,6 +100,7 @@ std::optional<InterfaceStatus> parse_interface(Bytes content, bool removed) {
     status.is_can = link->ifi_type == ARPHRD_CAN;
     status.removed = removed;
     status.up = !removed && (link->ifi_flags & IFF_UP) != 0;
+    status.echoes = (link->ifi_flags & IFF_ECHO) != 0;
     const Bytes information = find_attribute(attributes, IFLA_LINKINFO).value_or(Bytes{});
     if (find_text(information, IFLA_INFO_KIND) == "can") {
         read_can_details(find_attribute(information, IFLA_INFO_DATA).value_or(Bytes{}), status);
@@ -232,16 +233,15 @@ Result<InterfaceMonitor, int> InterfaceMonitor::open(std::string name) {
     return monitor;
 }
 
-bool InterfaceMonitor::update() {
-    bool changed = false;
+void InterfaceMonitor::update() {
     for (;;) {
         const auto messages = receive_datagram(socket_, buffer_);
         if (messages) {
-            for (const NetlinkMessage& message : *messages) changed = take(message) || changed;
+            for (const NetlinkMessage& message : *messages) take(message);
         } else if (errno == ENOBUFS) {
             refresh();  // something was lost
         } else {
-            return changed;
+            return;
         }
     }
 }
@@ -251,18 +251,16 @@ void InterfaceMonitor::refresh() {
     [[maybe_unused]] const int error = send_datagram(socket_, interface_query(name_));
 }
 
-bool InterfaceMonitor::take(const NetlinkMessage& message) {
+void InterfaceMonitor::take(const NetlinkMessage& message) {
     if (const auto* answer = std::get_if<NetlinkAnswer>(&message)) {
         // The only question asked here is the one for the interface.
         if (answer->error == ENODEV) status_ = InterfaceStatus{.removed = true};
-        return true;
+        return;
     }
     const auto& news = std::get<InterfaceStatus>(message);
     const bool same = !status_.removed && news.index == status_.index;
     // One that was renamed is still the one that this is about.
-    if (!same && (news.name != name_ || news.removed)) return false;
-    status_ = news;
-    return true;
+    if (same || (news.name == name_ && !news.removed)) status_ = news;
 }
 
 int restart_interface(int index) {

@@ -21,6 +21,7 @@ struct InterfaceStatus {
     bool is_can = false;  ///< carries CAN frames
     bool removed = false;
     bool up = false;
+    bool echoes = false;  ///< gives sent frames back when they are on the bus, not before
     bool listen_only = false;
     bool restarts_itself = false;         ///< after bus-off: restart-ms is set
     std::uint32_t bitrate = 0;            ///< bit/s; 0: not told, as for vcan
@@ -53,8 +54,8 @@ class InterfaceMonitor {
     /// Readable when update() has something to do.
     int fd() const { return socket_.get(); }
 
-    /// Takes in what has changed. False: nothing.
-    bool update();
+    /// Takes in what has changed.
+    void update();
 
     /// Asks the kernel for everything anew.
     void refresh();
@@ -64,7 +65,7 @@ class InterfaceMonitor {
 
   private:
     InterfaceMonitor(std::string name, Descriptor socket);
-    bool take(const NetlinkMessage& message);
+    void take(const NetlinkMessage& message);
 
     std::string name_;
     Descriptor socket_;

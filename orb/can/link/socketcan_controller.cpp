@@ -67,6 +67,7 @@ void set_timer(const Descriptor& timer, Duration time) {
 void watch(const Descriptor& epoll, int fd) {
     epoll_event interest{};
     interest.events = EPOLLIN;
+    interest.data.fd = fd;
     ::epoll_ctl(epoll.get(), EPOLL_CTL_ADD, fd, &interest);
 }
 
@@ -133,6 +134,7 @@ Result<std::unique_ptr<SocketCanController>, std::string> SocketCanController::o
     controller->follow_interface();
     // How it begins is asked for, not told.
     controller->own_events_.clear();
+    controller->signalled_ = false;
     controller->own_signal_.clear();
     return controller;
 }
@@ -168,7 +170,8 @@ int SocketCanController::open_socket() {
     address.can_family = AF_CAN;
     bound_to_ = monitor_.status().index;
     address.can_ifindex = bound_to_;
-    int error = set_option(socket_, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, on);
+    confirms_ = monitor_.status().echoes;
+    int error = set_option(socket_, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, confirms_ ? 1 : 0);
     if (error == 0) error = set_option(socket_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, wanted_errors);
     if (error == 0) error = apply_filters();
     if (error == 0 &&
@@ -203,9 +206,9 @@ SendResult SocketCanController::send(const Frame& frame, SendOptions options) {
     }
     if (status_.state == ControllerState::stopped) return SendError::stopped;
     if (status_.state == ControllerState::bus_off) return SendError::bus_off;
-    if (in_flight_.size() >= mailboxes) return SendError::full;
+    if (in_flight_.size() + results_ >= mailboxes) return SendError::full;
     const can_frame out = to_socketcan(frame);
-    expect_own(out.can_id);
+    if (confirms_) expect_own(out.can_id);
     if (::write(socket_.get(), &out, sizeof out) != sizeof out) {
         const int error = errno;
         if (error != ENETDOWN && error != ENODEV && error != ENXIO) {
@@ -217,8 +220,15 @@ SendResult SocketCanController::send(const Frame& frame, SendOptions options) {
         return SendError::stopped;
     }
     const TransmitHandle handle{next_handle_++};
-    in_flight_.push_back({handle, out, monotonic_now()});
-    watch_in_flight();
+    const TimePoint now = monotonic_now();
+    if (confirms_) {
+        in_flight_.push_back({handle, out, now});
+        watch_in_flight();
+    } else {
+        own_events_.push_back(TransmitResult{handle, TransmitOutcome::sent, now});
+        ++results_;
+        drained_ = true;
+    }
     return handle;
 }
 
@@ -307,7 +317,11 @@ std::optional<ControllerEvent> SocketCanController::poll() {
         if (!own_events_.empty()) {
             ControllerEvent event = own_events_.front();
             own_events_.pop_front();
-            if (own_events_.empty()) own_signal_.clear();
+            if (std::holds_alternative<TransmitResult>(event)) --results_;
+            if (own_events_.empty() && signalled_) {
+                signalled_ = false;
+                own_signal_.clear();
+            }
             return event;
         }
         if (next_ < received_) {
@@ -345,9 +359,13 @@ void SocketCanController::receive() {
     }
     drained_ = true;
     if (overflow_possible_) find_losses_at_end();
-    // No frame, so that it may be one of these that woke the reader.
-    if (monitor_.update()) follow_interface();
-    on_timer();
+    // No frame, so that it may be one of the others that woke the reader.
+    std::array<epoll_event, 4> ready{};
+    const int others = ::epoll_wait(epoll_.get(), ready.data(), ready.size(), 0);
+    for (int i = 0; i < others; ++i) {
+        if (ready[static_cast<std::size_t>(i)].data.fd == monitor_.fd()) follow_interface();
+        if (ready[static_cast<std::size_t>(i)].data.fd == timer_.get()) on_timer();
+    }
 }
 
 // The count of losses comes with the next frame, and there may be none.
@@ -439,6 +457,7 @@ void SocketCanController::take_error(const can_frame& frame, TimePoint time) {
 // ---- the interface
 
 void SocketCanController::follow_interface() {
+    monitor_.update();
     const InterfaceStatus& interface = monitor_.status();
     if (!interface.up || interface.index != bound_to_) {
         enter_state({.state = ControllerState::stopped});
@@ -486,6 +505,8 @@ void SocketCanController::fail_in_flight() {
 
 void SocketCanController::tell(const ControllerEvent& event) {
     own_events_.push_back(event);
+    if (std::holds_alternative<TransmitResult>(event)) ++results_;
+    signalled_ = true;
     own_signal_.raise();
 }
 

@@ -25,7 +25,8 @@ namespace canorb::can {
 ///
 /// Invariants, all under the mutex:
 ///  * The epoll descriptor, which is what users wait for, holds the CAN socket while there is one,
-///    the monitor, the timer, and the signal, which is raised while `own_events_` has any.
+///    the monitor, the timer, and the signal, which is raised while `own_events_` has any that do
+///    not follow from send().
 ///  * `in_flight_` has each frame that the kernel took, until it was confirmed or has failed; it is
 ///    empty while the controller is stopped or bus-off.
 ///  * The kernel's filters pass what `filters_` accept and the identifiers in `sent_ids_`: a frame
@@ -109,10 +110,15 @@ class SocketCanController final : public Controller {
     InterfaceMonitor monitor_;
     Descriptor socket_;
     int bound_to_ = 0;  ///< the index of the socket's interface
+    /// The interface gives back what it has sent. One that does not is virtual: the kernel would
+    /// give back a copy by itself as soon as it has the frame, which send() knows as well.
+    bool confirms_ = false;
     Descriptor epoll_;
     Descriptor timer_;
     Signal own_signal_;
     std::deque<ControllerEvent> own_events_;  ///< that no frame brought
+    std::size_t results_ = 0;                 ///< TransmitResults among them
+    bool signalled_ = false;
     ErrorStatus status_{.state = ControllerState::stopped};
     std::vector<Filter> filters_;
     std::vector<std::uint32_t> sent_ids_;
