@@ -26,6 +26,19 @@ TEST(BusAddress, Forms) {
     EXPECT_EQ(parsed<SimAddress>("sim:bus").path, "bus");
     EXPECT_EQ(parsed<SimAddress>("sim:/" + std::string(106, 'x')).path.size(), 107U);
     EXPECT_EQ(parsed<SocketCanAddress>("socketcan:can0").interface, "can0");
+    const auto plain = parsed<SlcanAddress>("slcan:/dev/ttyACM0");
+    EXPECT_EQ(plain.device, "/dev/ttyACM0");
+    EXPECT_EQ(plain.bitrate, 500'000U);
+    EXPECT_EQ(plain.baud, 115'200U);
+    EXPECT_TRUE(plain.answers);
+    EXPECT_EQ(parsed<SlcanAddress>("slcan:/dev/ttyACM0?bitrate=1000000").bitrate, 1'000'000U);
+    EXPECT_EQ(parsed<SlcanAddress>("slcan:/dev/ttyACM0?baud=3000000").baud, 3'000'000U);
+    const auto full = parsed<SlcanAddress>("slcan:ttyS0?answers=no&baud=57600&bitrate=10000");
+    EXPECT_EQ(full.device, "ttyS0");
+    EXPECT_EQ(full.bitrate, 10'000U);
+    EXPECT_EQ(full.baud, 57'600U);
+    EXPECT_FALSE(full.answers);
+    EXPECT_TRUE(parsed<SlcanAddress>("slcan:x?answers=yes").answers);
 }
 
 TEST(BusAddress, TheDefaultIsOne) {
@@ -39,7 +52,7 @@ struct BadAddress {
 
 TEST(BusAddress, SaysWhatIsWrong) {
     for (const BadAddress& bad : {
-             BadAddress{"", "none of local:NAME, sim:PATH, socketcan:IFNAME"},
+             BadAddress{"", "none of local:NAME, sim:PATH, socketcan:IFNAME, slcan:DEVICE"},
              BadAddress{"can0", "\"can0\" is not a bus address"},
              BadAddress{"Local:x", "is not a bus address"},
              BadAddress{"local:", "needs a name"},
@@ -58,6 +71,21 @@ TEST(BusAddress, SaysWhatIsWrong) {
              BadAddress{"socketcan:a b", "not the name of a network interface"},
              BadAddress{"socketcan:..", "not the name of a network interface"},
              BadAddress{"socketcan:abcdefghijklmnop", "1 to 15"},
+             BadAddress{"slcan:", "needs a serial port"},
+             BadAddress{"slcan:?bitrate=500000", "needs a serial port"},
+             BadAddress{std::string{"slcan:/a\0b", 10}, "needs a serial port"},
+             BadAddress{"slcan:x?bitrate=83333",
+                        "\"83333\" is not a bit rate of slcan:; it has 10000 20000 50000 100000 "
+                        "125000 250000 500000 800000 1000000"},
+             BadAddress{"slcan:x?bitrate=", "\"\" is not a bit rate"},
+             BadAddress{"slcan:x?bitrate=500k", "\"500k\" is not a bit rate"},
+             BadAddress{"slcan:x?baud=115201", "\"115201\" is not a speed of serial lines"},
+             BadAddress{"slcan:x?baud=0", "is not a speed"},
+             BadAddress{"slcan:x?answers=maybe", "no option \"answers=maybe\""},
+             BadAddress{"slcan:x?speed=1", "no option \"speed=1\""},
+             BadAddress{"slcan:x?", "no option \"\""},
+             BadAddress{"slcan:x?answers=no&", "no option \"\""},
+             BadAddress{"slcan:x?answers=no?baud=9600", "no option"},
          }) {
         const auto address = parse_bus_address(bad.text);
         ASSERT_FALSE(address) << bad.text;

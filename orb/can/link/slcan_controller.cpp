@@ -341,7 +341,10 @@ void SlcanController::put_setup(TimePoint now) {
     switch (setup_) {
         case Command::greeting:
             --greetings_left_;
-            put(setup_, std::string{slcan::flush_command} += slcan::version_command, now);
+            put(setup_,
+                std::string{slcan::flush_command} +=
+                address_.answers ? slcan::version_command : std::string_view{},
+                now);
             break;
         case Command::bitrate:
             put(setup_, slcan::bitrate_command(address_.bitrate).text(), now);
@@ -378,7 +381,7 @@ void SlcanController::on_done(TimePoint now) {
             if (!address_.answers) next_setup(Command::bitrate);
             return;
         case Command::bitrate:
-            return next_setup(Command::auto_poll);
+            return next_setup(address_.answers ? Command::auto_poll : Command::open);
         case Command::auto_poll:
             return next_setup(Command::open);
         case Command::open:
