@@ -1,0 +1,128 @@
+// The fault confinement state, as the kernel tells it in error frames. No interface of the machine
+// has errors of its own, so `cansend` makes them up.
+
+#include <linux/can/error.h>
+
+#include "tests/socketcan/can_test.hpp"
+
+namespace canorb::test {
+namespace {
+
+using can::ControllerState;
+using can::ErrorStatus;
+using testing::HasSubstr;
+
+class Errors : public VcanTest {
+  protected:
+    /// An error frame as candump -e shows it: its class, and what is behind it.
+    void report(const std::string& error_class, const std::string& data) {
+        run_command("cansend " + interface + " " + error_class + "#" + data);
+    }
+    void report_bus_off() { report("20000040", "0000000000000000"); }
+    void report_restart() { report("20000100", "0000000000000000"); }
+};
+
+TEST_F(Errors, BusOffEndsCallsAndRestartLetsThemThrough) {
+    Node server{interface, 3};
+    Node client{interface, 5};
+    TestServant servant{{{7, nothing}}};
+    server->root_poa().activate_object_with_id(1, servant);
+    RawSocket observer{interface};
+    observer.accept_only(0b1'01001'00101);
+    CallInProgress call{client.object_on(9)};
+    ASSERT_TRUE(observer.receive_within(20s));
+
+    report_bus_off();
+    const auto reported = CallInProgress::Clock::now();
+    const CallInProgress::End end = call.end();
+    ASSERT_TRUE(end.error.has_value());
+    EXPECT_EQ(end.error->kind, SystemErrorKind::comm_failure);
+    EXPECT_LT(end.time - reported, 100ms);
+    EXPECT_EQ(client->error_status().state, ControllerState::bus_off);
+    EXPECT_TRUE(server.waits_for(ControllerState::bus_off));
+    EXPECT_TRUE(wait_until([&] { return !client.events(Event::Kind::controller_state).empty(); }));
+    EXPECT_THAT(client.events(Event::Kind::controller_state).at(0).text, HasSubstr("bus off"));
+    EXPECT_EQ(CallInProgress{client.object_on(3)}.end().error.value().kind,
+              SystemErrorKind::comm_failure);
+
+    report_restart();
+    EXPECT_TRUE(server.waits_for(ControllerState::error_active));
+    EXPECT_TRUE(client.waits_for(ControllerState::error_active));
+    EXPECT_EQ(CallInProgress{client.object_on(3)}.end().error, std::nullopt);
+}
+
+// There is nothing behind vcan that could be restarted: a request is answered, by an event.
+TEST_F(Errors, RequestToLeaveBusOffIsAnswered) {
+    Node client{interface, 5};
+    report_bus_off();
+    EXPECT_TRUE(client.waits_for(ControllerState::bus_off));
+    EXPECT_TRUE(wait_until([&] { return !client.events(Event::Kind::controller_state).empty(); }));
+    client->recover();
+    EXPECT_TRUE(wait_until([&] {
+        return client->error_status().state == ControllerState::error_active ||
+               client.events(Event::Kind::controller_state).size() > 1;
+    }));
+    report_restart();
+    EXPECT_TRUE(client.waits_for(ControllerState::error_active));
+}
+
+TEST_F(Errors, CountersAndErrorPassive) {
+    Node client{interface, 5};
+    const auto shows = [&](const ErrorStatus& wanted) {
+        return wait_until([&] { return client->error_status() == wanted; });
+    };
+    // CAN_ERR_CRTL, transmitter passive; TEC 136, REC 5 in octets 6 and 7.
+    report("20000004", "0020000000008805");
+    EXPECT_TRUE(shows({ControllerState::error_passive, 136, 5}));
+    // Back to active (CAN_ERR_CRTL_ACTIVE).
+    report("20000004", "0040000000005F00");
+    EXPECT_TRUE(shows({ControllerState::error_active, 95, 0}));
+    // Receiver passive.
+    report("20000004",
+           "0010000000000080"
+           "");
+    EXPECT_TRUE(shows({ControllerState::error_passive, 0, 128}));
+    // Only a warning: active.
+    report("20000004", "000C000000006060");
+    EXPECT_TRUE(shows({ControllerState::error_active, 96, 96}));
+}
+
+// Frames that are for a node and come faster than it reads: the kernel drops them, and counts.
+TEST_F(Errors, SlowReaderIsToldOfLostFrames) {
+    Node server{interface, 3};
+    std::atomic<bool> in_servant = false;
+    std::atomic<bool> release = false;
+    TestServant servant{{{7, [&](ServerCall& call) {
+                              in_servant = true;
+                              wait_until([&] { return release.load(); });
+                              nothing(call);
+                          }}}};
+    server->root_poa().activate_object_with_id(1, servant);
+    Node client{interface, 5};
+    CallInProgress call{client.object_on(3)};
+    ASSERT_TRUE(wait_until([&] { return in_servant.load(); }));
+    // Void calls to node 3, by node 6: more than a socket's buffer has room for.
+    RawSocket flood{interface};
+    constexpr unsigned count = 5000;
+    for (unsigned i = 0; i < count; ++i) {
+        const std::array<std::uint8_t, 8> request{
+            0x10, 0x00, 0x05, static_cast<std::uint8_t>(i >> 8), static_cast<std::uint8_t>(i),
+            0x18, 0x01, 0x07};
+        flood.send(0b1'00011'00110, request);
+    }
+    release = true;
+    EXPECT_EQ(call.end().error, std::nullopt);
+    EXPECT_TRUE(wait_until([&] { return !server.events(Event::Kind::frames_lost).empty(); }));
+    // Its own frame, which comes back as the confirmation, may be among the lost.
+    const auto accounted_for = [&] {
+        const Counters counters = server->counters();
+        return counters[Counter::frames_received] + counters[Counter::frames_lost_by_link];
+    };
+    EXPECT_TRUE(wait_until([&] { return accounted_for() >= count + 1; })) << accounted_for();
+    EXPECT_GT(server->counters()[Counter::frames_received], 0U);
+    // And it works on.
+    EXPECT_TRUE(client.object_on(3).invoke(7, {}).empty());
+}
+
+}  // namespace
+}  // namespace canorb::test
