@@ -227,7 +227,8 @@ SendResult SocketCanController::send(const Frame& frame, SendOptions options) {
     } else {
         own_events_.push_back(TransmitResult{handle, TransmitOutcome::sent, now});
         ++results_;
-        drained_ = true;
+        // Unless losses behind the last frame are still to be looked for.
+        drained_ = !overflow_possible_;
     }
     return handle;
 }
