@@ -33,8 +33,8 @@ INSTANTIATE_TEST_SUITE_P(Interfaces, Calls,
                          [](const auto& kind) { return std::string{kind.param.name}; });
 
 TEST_P(Calls, VoidCall) {
-    Node server{interfaces.first, 3};
-    Node client{interfaces.second, 5};
+    Node server{"socketcan:" + interfaces.first, 3};
+    Node client{"socketcan:" + interfaces.second, 5};
     TestServant servant{{{7, nothing}}};
     server->root_poa().activate_object_with_id(1, servant);
     EXPECT_TRUE(client.object_on(3).invoke(7, {}).empty());
@@ -44,8 +44,8 @@ TEST_P(Calls, VoidCall) {
 }
 
 TEST_P(Calls, ManyInBothDirectionsAtOnce) {
-    Node one{interfaces.first, 1};
-    Node two{interfaces.second, 2};
+    Node one{"socketcan:" + interfaces.first, 1};
+    Node two{"socketcan:" + interfaces.second, 2};
     TestServant servants[2] = {TestServant{{{8, echo}}}, TestServant{{{8, echo}}}};
     one->root_poa().activate_object_with_id(1, servants[0]);
     two->root_poa().activate_object_with_id(1, servants[1]);
@@ -77,8 +77,8 @@ class GaugeImpl final : public Measuring::GaugeServant {
 };
 
 TEST_P(Calls, ThroughGeneratedStubs) {
-    Node server{interfaces.first, 3};
-    Node client{interfaces.second, 5};
+    Node server{"socketcan:" + interfaces.first, 3};
+    Node client{"socketcan:" + interfaces.second, 5};
     GaugeImpl impl;
     server->root_poa().activate_object_with_id(1, impl);
     const auto gauge = client.object_on(3).narrow<Measuring::Gauge>();
@@ -107,7 +107,7 @@ TEST_P(Calls, GroupWithMembersInThisProcessAndInOthers) {
     const auto second = start(interfaces.second, "12");
     const auto third = start(interfaces.second, "13");
 
-    Node client{interfaces.first, 1};
+    Node client{"socketcan:" + interfaces.first, 1};
     // Of the others' interface: members without the one that a call names ignore it.
     static constexpr InterfaceInfo bell_interface{"IDL:Test/Bell:1.0"};
     TestServant servant{{{7, nothing}}, bell_interface};
@@ -126,8 +126,8 @@ TEST_P(Calls, MessageOfSixtyKibibytesBothWays) {
     OrbOptions options;
     options.max_message = 65'538;
     options.default_timeout = 60s;
-    Node server{interfaces.first, 3, options};
-    Node client{interfaces.second, 5, options};
+    Node server{"socketcan:" + interfaces.first, 3, options};
+    Node client{"socketcan:" + interfaces.second, 5, options};
     TestServant servant{{{8, echo}}};
     server->root_poa().activate_object_with_id(1, servant);
     std::vector<std::uint8_t> octets(60 * 1024);

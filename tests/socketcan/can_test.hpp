@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "canorb/orb.hpp"
+#include "orb/can/link/link.hpp"
 #include "tests/runtime/world.hpp"
 #include "tests/socketcan/raw_socket.hpp"
 #include "tests/tank/child.hpp"
@@ -115,11 +116,11 @@ class TemporaryDirectory {
     std::string path_;
 };
 
-/// An ORB on a CAN interface, with a thread that runs its event loop, and what it told.
+/// An ORB, with a thread that runs its event loop, and what it told.
 class Node {
   public:
-    Node(const std::string& interface, int number, OrbOptions options = {})
-        : bus_(open_bus("socketcan:" + interface)), orb_(*bus_, with_number(options, number)) {
+    Node(const std::string& address, int number, OrbOptions options = {})
+        : bus_(open_bus(address)), orb_(*bus_, with_number(options, number)) {
         orb_.on_event([this](const Event& event) {
             const std::lock_guard lock{mutex_};
             events_.push_back(event);
@@ -146,8 +147,14 @@ class Node {
         }
         return found;
     }
-    bool waits_for(can::ControllerState state) {
-        return wait_until([&] { return orb_.error_status().state == state; });
+    /// Waits until it has told that its controller is in this state. (error_status() is ahead of
+    /// that, and a call then may still end with the state before.)
+    bool tells(can::ControllerState state) {
+        const std::string text = " is " + std::string{can::name(state)};
+        return wait_until([&] {
+            const std::vector<Event> told = events(Event::Kind::controller_state);
+            return !told.empty() && told.back().text.find(text) != std::string::npos;
+        });
     }
 
   private:

@@ -67,13 +67,13 @@ class Interface : public VcanTest {
 };
 
 TEST_F(Interface, GoesDownInACall) {
-    Node client{interface, 5};
+    Node client{address, 5};
     CallInProgress call = call_nobody(client);
     const auto since = CallInProgress::Clock::now();
     set_up(interface, false);
     expect_comm_failure_in_time(call.end(), since);
     EXPECT_EQ(client->error_status().state, ControllerState::stopped);
-    EXPECT_TRUE(wait_until([&] { return !client.events(Event::Kind::controller_state).empty(); }));
+    EXPECT_TRUE(client.tells(ControllerState::stopped));
     EXPECT_THAT(client.events(Event::Kind::controller_state).at(0).text,
                 AllOf(HasSubstr("stopped"), HasSubstr("ip link set " + interface + " up"),
                       Not(HasSubstr("\n"))));
@@ -84,8 +84,8 @@ TEST_F(Interface, GoesDownInACall) {
 }
 
 TEST_F(Interface, WorksAgainWhenItIsUp) {
-    Node server{interface, 3};
-    Node client{interface, 5};
+    Node server{address, 3};
+    Node client{address, 5};
     server->root_poa().activate_object_with_id(1, servant);
     for (int round = 0; round < 3; ++round) {
         in_servant = release = false;
@@ -94,17 +94,18 @@ TEST_F(Interface, WorksAgainWhenItIsUp) {
         set_up(interface, false);
         expect_comm_failure_in_time(call.end(), since);
         release = true;
-        EXPECT_TRUE(server.waits_for(ControllerState::stopped));
+        EXPECT_TRUE(server.tells(ControllerState::stopped));
+        EXPECT_TRUE(client.tells(ControllerState::stopped));
         set_up(interface, true);
-        EXPECT_TRUE(server.waits_for(ControllerState::error_active));
-        EXPECT_TRUE(client.waits_for(ControllerState::error_active));
+        EXPECT_TRUE(server.tells(ControllerState::error_active));
+        EXPECT_TRUE(client.tells(ControllerState::error_active));
         const std::vector<std::uint8_t> octets(30, 7);
         EXPECT_EQ(client.object_on(3).invoke(8, octets), octets);
     }
 }
 
 TEST_F(Interface, IsSetDownWithIp) {
-    Node client{interface, 5};
+    Node client{address, 5};
     CallInProgress call = call_nobody(client);
     const auto since = CallInProgress::Clock::now();
     ip("link set " + interface + " down");
@@ -115,8 +116,8 @@ TEST_F(Interface, IsSetDownWithIp) {
 }
 
 TEST_F(Interface, IsRemovedAndAddedAgain) {
-    Node server{interface, 3};
-    Node client{interface, 5};
+    Node server{address, 3};
+    Node client{address, 5};
     server->root_poa().activate_object_with_id(1, servant);
     for (int round = 0; round < 2; ++round) {
         in_servant = release = false;
@@ -125,10 +126,11 @@ TEST_F(Interface, IsRemovedAndAddedAgain) {
         const auto deleted = CallInProgress::Clock::now();
         expect_comm_failure_in_time(call.end(), deleted);
         release = true;
-        EXPECT_TRUE(server.waits_for(ControllerState::stopped));
+        EXPECT_TRUE(server.tells(ControllerState::stopped));
+        EXPECT_TRUE(client.tells(ControllerState::stopped));
         add();
-        EXPECT_TRUE(server.waits_for(ControllerState::error_active));
-        EXPECT_TRUE(client.waits_for(ControllerState::error_active));
+        EXPECT_TRUE(server.tells(ControllerState::error_active));
+        EXPECT_TRUE(client.tells(ControllerState::error_active));
         const std::vector<std::uint8_t> octets(30, 7);
         EXPECT_EQ(client.object_on(3).invoke(8, octets), octets);
     }
@@ -136,14 +138,14 @@ TEST_F(Interface, IsRemovedAndAddedAgain) {
 
 TEST_F(Interface, IsDownAtFirst) {
     set_up(interface, false);
-    Node server{interface, 3};
-    Node client{interface, 5};
+    Node server{address, 3};
+    Node client{address, 5};
     server->root_poa().activate_object_with_id(1, servant);
     const auto called = CallInProgress::Clock::now();
     expect_comm_failure_in_time(CallInProgress{client.object_on(3)}.end(), called);
     set_up(interface, true);
-    EXPECT_TRUE(server.waits_for(ControllerState::error_active));
-    EXPECT_TRUE(client.waits_for(ControllerState::error_active));
+    EXPECT_TRUE(server.tells(ControllerState::error_active));
+    EXPECT_TRUE(client.tells(ControllerState::error_active));
     EXPECT_EQ(client.object_on(3).invoke(8, std::vector<std::uint8_t>{1}),
               std::vector<std::uint8_t>{1});
 }
@@ -151,8 +153,8 @@ TEST_F(Interface, IsDownAtFirst) {
 TEST_F(Interface, OfARealDriverGoesDownInACall) {
     const std::optional<Interfaces> pair = can_pair();
     if (!pair) GTEST_SKIP() << "CANORB_TEST_CAN_PAIR names no interfaces";
-    Node server{pair->first, 3};
-    Node client{pair->second, 5};
+    Node server{"socketcan:" + pair->first, 3};
+    Node client{"socketcan:" + pair->second, 5};
     server->root_poa().activate_object_with_id(1, servant);
     EXPECT_EQ(client->link_capabilities().bitrate, 500'000U);
 
@@ -161,15 +163,16 @@ TEST_F(Interface, OfARealDriverGoesDownInACall) {
     set_up(pair->second, false);
     expect_comm_failure_in_time(call.end(), since);
     release = true;
+    EXPECT_TRUE(client.tells(ControllerState::stopped));
     set_up(pair->second, true);
-    EXPECT_TRUE(client.waits_for(ControllerState::error_active));
+    EXPECT_TRUE(client.tells(ControllerState::error_active));
     const std::vector<std::uint8_t> octets(30, 7);
     EXPECT_EQ(client.object_on(3).invoke(8, octets), octets);
 
     set_up(pair->first, false);
-    EXPECT_TRUE(server.waits_for(ControllerState::stopped));
+    EXPECT_TRUE(server.tells(ControllerState::stopped));
     set_up(pair->first, true);
-    EXPECT_TRUE(server.waits_for(ControllerState::error_active));
+    EXPECT_TRUE(server.tells(ControllerState::error_active));
     EXPECT_EQ(client.object_on(3).invoke(8, octets), octets);
 }
 
