@@ -4,6 +4,7 @@
 
 #include <array>
 #include <chrono>
+#include <cstdlib>
 
 #include "orb/can/link/slcan_protocol.hpp"
 
@@ -14,15 +15,20 @@ using namespace std::chrono_literals;
 
 constexpr Duration patience = 5ms;
 
-std::unique_ptr<Link> opened(const std::string& address) {
+std::unique_ptr<Controller> attached_to(const std::string& address) {
     auto link = open_link(address);
     if (!link) throw std::runtime_error(link.error());
-    return std::move(*link);
+    auto controller = std::move(*(*link)->attach("adapter"));
+    const std::array<Filter, 2> all{Filter{0, 0, false}, Filter{0, 0, true}};
+    if (!controller->set_filters(all) || !controller->set_listen_only(true)) {
+        throw std::logic_error("a local bus can do this");
+    }
+    return controller;
 }
 
 }  // namespace
 
-SlcanAdapter::SlcanAdapter(const std::string& bus_address) : link_(opened(bus_address)) {
+SlcanAdapter::SlcanAdapter(const std::string& bus_address) : controller_(attached_to(bus_address)) {
     ::fcntl(line_.peer(), F_SETFL, O_NONBLOCK);
     thread_ = std::thread{[this] { run(); }};
 }
@@ -34,12 +40,12 @@ SlcanAdapter::~SlcanAdapter() {
 
 bool SlcanAdapter::is_open() const {
     const std::lock_guard lock{mutex_};
-    return controller_ != nullptr;
+    return channel_ != Channel::closed;
 }
 
 bool SlcanAdapter::listens_only() const {
     const std::lock_guard lock{mutex_};
-    return controller_ != nullptr && listen_only_;
+    return channel_ == Channel::listening;
 }
 
 void SlcanAdapter::run() {
@@ -48,7 +54,7 @@ void SlcanAdapter::run() {
         {
             const std::lock_guard lock{mutex_};
             if (!output_.empty()) ready[1].events |= POLLOUT;
-            ready[2] = {controller_ ? controller_->event_fd() : -1, POLLIN, 0};
+            ready[2] = {controller_->event_fd(), POLLIN, 0};
         }
         ::poll(ready.data(), ready.size(), waiting_ ? 1 : -1);
         if (ready[0].revents != 0) return;
@@ -82,29 +88,28 @@ void SlcanAdapter::obey(std::string_view command) {
         waiting_.reset();
         answer("\a");
     }
-    const bool is_open = controller_ != nullptr;
+    const bool is_closed = channel_ == Channel::closed;
     const auto message = slcan::parse_line(command);
     const auto* frame = std::get_if<Frame>(&message);
-    if (frame != nullptr && is_open && !listen_only_) {
+    if (frame != nullptr && channel_ == Channel::open) {
         transmit(*frame);
     } else if (command == "V") {
         answer("V1013\r");
-    } else if (command.size() == 2 && command[0] == 'S' && !is_open) {
+    } else if (command.size() == 2 && command[0] == 'S' && is_closed) {
         const auto index = static_cast<std::size_t>(command[1] - '0');
-        // A wrong bit rate would be seen on the bus only.
+        // A real one would find out on the bus that it is the wrong one.
         bitrate_set_ = index < slcan::bitrates.size() &&
-                       link_->attach("")->get()->capabilities().bitrate == slcan::bitrates[index];
+                       controller_->capabilities().bitrate == slcan::bitrates[index];
         answer(bitrate_set_ ? "\r" : "\a");
-    } else if (command == "X1" && !is_open) {
+    } else if (command == "X1" && is_closed) {
         answer("\r");
-    } else if ((command == "O" || command == "L") && !is_open && bitrate_set_) {
-        open(command == "L");
+    } else if ((command == "O" || command == "L") && is_closed && bitrate_set_) {
+        set_channel(command == "O" ? Channel::open : Channel::listening);
         answer("\r");
-    } else if (command == "C" && is_open) {
-        controller_.reset();
-        busy_ = false;
+    } else if (command == "C" && !is_closed) {
+        set_channel(Channel::closed);
         answer("\r");
-    } else if (command == "F" && is_open) {
+    } else if (command == "F" && !is_closed) {
         const bool passive = controller_->error_status().state == ControllerState::error_passive;
         answer(passive ? (overrun_ ? "F28\r" : "F20\r") : (overrun_ ? "F08\r" : "F00\r"));
         overrun_ = false;
@@ -113,41 +118,40 @@ void SlcanAdapter::obey(std::string_view command) {
     }
 }
 
-void SlcanAdapter::open(bool listen_only) {
-    controller_ = std::move(*link_->attach("adapter"));
-    listen_only_ = listen_only;
-    const std::array<Filter, 2> all{Filter{0, 0, false}, Filter{0, 0, true}};
-    if (!controller_->set_filters(all) || !controller_->set_listen_only(listen_only)) {
-        throw std::logic_error("a local bus can do this");
-    }
+void SlcanAdapter::set_channel(Channel channel) {
+    take_events();  // by the rules of the old one
+    channel_ = channel;
+    on_its_way_.reset();
+    if (!controller_->set_listen_only(channel != Channel::open)) std::abort();
 }
 
 void SlcanAdapter::transmit(const Frame& frame) {
-    if (busy_) {
+    if (on_its_way_) {
         waiting_ = frame;
         refuse_at_ = monotonic_now() + patience;
         return;
     }
-    busy_ = std::holds_alternative<TransmitHandle>(controller_->send(frame));
-    answer(!busy_ ? "\a" : frame.extended ? "Z\r" : "z\r");
+    const SendResult result = controller_->send(frame);
+    if (const auto* handle = std::get_if<TransmitHandle>(&result)) on_its_way_ = *handle;
+    answer(!on_its_way_ ? "\a" : frame.extended ? "Z\r" : "z\r");
 }
 
 void SlcanAdapter::take_events() {
-    while (controller_) {
-        const auto event = controller_->poll();
-        if (!event) return;
-        if (const auto* received = std::get_if<Received>(&*event)) {
+    while (const auto event = controller_->poll()) {
+        const auto* received = std::get_if<Received>(&*event);
+        const auto* result = std::get_if<TransmitResult>(&*event);
+        if (received != nullptr && channel_ != Channel::closed) {
             write();
             if (output_.empty()) {
                 answer(slcan::transmit_command(received->frame).text());
             } else {
                 overrun_ = true;  // the host does not read
             }
+        } else if (result != nullptr && on_its_way_ == result->handle) {
+            on_its_way_.reset();
+            if (waiting_) transmit(*std::exchange(waiting_, std::nullopt));
         } else if (std::holds_alternative<FramesLost>(*event)) {
             overrun_ = true;
-        } else if (std::holds_alternative<TransmitResult>(*event)) {
-            busy_ = false;
-            if (waiting_) transmit(*std::exchange(waiting_, std::nullopt));
         }
     }
 }

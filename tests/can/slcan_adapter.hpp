@@ -27,10 +27,12 @@ class SlcanAdapter {
     bool listens_only() const;
 
   private:
+    enum class Channel { closed, open, listening };
+
     void run();
     void read_commands();
     void obey(std::string_view command);
-    void open(bool listen_only);
+    void set_channel(Channel channel);
     void transmit(const Frame& frame);
     void take_events();
     void answer(std::string_view text);
@@ -38,12 +40,11 @@ class SlcanAdapter {
 
     PseudoTerminal line_;
     mutable std::mutex mutex_;
-    std::unique_ptr<Link> link_;
-    std::unique_ptr<Controller> controller_;  ///< while the channel is open
-    bool listen_only_ = false;
+    std::unique_ptr<Controller> controller_;  ///< silent unless the channel is open
+    Channel channel_ = Channel::closed;
     bool bitrate_set_ = false;
     bool overrun_ = false;
-    bool busy_ = false;             ///< a frame is on its way
+    std::optional<TransmitHandle> on_its_way_;
     std::optional<Frame> waiting_;  ///< the next one, not answered yet
     TimePoint refuse_at_ = never;
     std::string command_;
