@@ -44,7 +44,9 @@ void set_up(CLI::App& app) {
 
 void add_node_options(CLI::App& app, NodeOptions& options) {
     options.bus = canorb::default_bus_address();
-    app.add_option("--bus", options.bus, "The bus, as sim:PATH or local:NAME (else CANORB_BUS)")
+    app.add_option(
+           "--bus", options.bus,
+           "The bus: local:NAME, sim:PATH, socketcan:IFNAME or slcan:DEVICE (else CANORB_BUS)")
         ->capture_default_str();
     add_parsed_option(app, "--node", options.node, canorb::parse_node_id,
                       "This node's number, 0 to 30 (else CANORB_NODE)")

@@ -44,6 +44,8 @@ std::string_view default_bus_address();
 ///   who opens the same name. 500 kbit/s where the first does not say.
 /// * `sim:PATH`: the bus of a canorb-bus daemon that listens on the Unix socket PATH.
 /// * `socketcan:IFNAME`: a Linux CAN interface.
+/// * `slcan:DEVICE`, `slcan:DEVICE?bitrate=250000`: a serial adapter. 500 kbit/s where it does not
+///   say.
 ///
 /// The error is a sentence for people that says what to do.
 Result<std::unique_ptr<Link>, std::string> open_link(std::string_view address);

@@ -1,7 +1,7 @@
 #pragma once
 
 /// A bus by its address: "local:NAME" (inside this process), "sim:PATH" (a canorb-bus daemon),
-/// "socketcan:IFNAME" (Linux).
+/// "socketcan:IFNAME" (Linux), "slcan:DEVICE" (a serial adapter); see doc/links.md.
 ///
 ///     auto bus = canorb::open_bus("sim:/tmp/canorb-bus");
 ///     canorb::Orb orb{*bus, {.node = 3}};
