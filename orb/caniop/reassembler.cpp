@@ -145,7 +145,8 @@ bool Reassembler::is_under_way(const Slot& slot) {
 }
 
 Reassembler::Slot* Reassembler::find(Identifier from) {
-    for (Slot& slot : slots_) {
+    for (std::size_t i = 0; i < ever_used_; ++i) {
+        Slot& slot = slots_[i];
         if (slot.state != State::free && slot.from == from) return &slot;
     }
     return nullptr;
@@ -162,6 +163,7 @@ Reassembler::Slot& Reassembler::take_slot(TimePoint now) {
         return rank(a) != 0 && a.last_used < b.last_used;
     };
     Slot& slot = *std::min_element(slots_.begin(), slots_.end(), precedes);
+    ever_used_ = std::max(ever_used_, static_cast<std::size_t>(&slot - slots_.data()) + 1);
     if (is_under_way(slot)) {
         const bool stale = now - slot.last_frame > limits_.inter_frame_timeout;
         close(slot, stale ? Counter::reassembly_timeouts : Counter::reassemblies_evicted);

@@ -127,7 +127,8 @@ class Reassembler {
     MessageFormat format_;
     Counters& counters_;
     std::vector<Slot> slots_;
-    std::size_t buffer_size_;  ///< of each slot
+    std::size_t ever_used_ = 0;  ///< of the slots; all behind are free
+    std::size_t buffer_size_;    ///< of each slot
     std::unique_ptr<std::uint8_t[]> buffers_;
     std::uint64_t uses_ = 0;
 };

@@ -161,6 +161,8 @@ class Engine {
     // ---- the link
 
     void on_event(const can::ControllerEvent& event, TimePoint now);
+    /// Whether take_filters() has something to give.
+    bool filters_changed() const { return filters_changed_; }
     /// The filters for the controller, when they changed since the last time.
     std::optional<caniop::FilterSet> take_filters(const can::Capabilities& capabilities);
     std::optional<can::Frame> next_frame(TimePoint now) { return queue_.next_frame(now); }

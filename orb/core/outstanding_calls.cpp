@@ -9,6 +9,7 @@ OutstandingCalls::Call* OutstandingCalls::open(TimePoint deadline) {
         return call.state == Call::State::free;
     });
     if (free == calls_.end()) return nullptr;
+    used_ = std::max(used_, static_cast<std::size_t>(free - calls_.begin()) + 1);
     *free = Call{};
     free->handle = CallHandle{++last_handle_};
     free->state = Call::State::waiting;
@@ -17,13 +18,13 @@ OutstandingCalls::Call* OutstandingCalls::open(TimePoint deadline) {
 }
 
 bool OutstandingCalls::has_request_id(RequestId id) const {
-    return std::any_of(calls_.begin(), calls_.end(), [&](const Call& call) {
+    return std::ranges::any_of(used(), [&](const Call& call) {
         return call.state == Call::State::waiting && call.peer && call.request_id == id;
     });
 }
 
 OutstandingCalls::Call* OutstandingCalls::find(CallHandle handle) {
-    for (Call& call : calls_) {
+    for (Call& call : used()) {
         if (call.state != Call::State::free && call.handle == handle) return &call;
     }
     return nullptr;
@@ -35,7 +36,7 @@ OutstandingCalls::Call* OutstandingCalls::find_waiting(CallHandle handle) {
 }
 
 OutstandingCalls::Call* OutstandingCalls::find_waiting(NodeId peer, RequestId id) {
-    for (Call& call : calls_) {
+    for (Call& call : used()) {
         if (call.state == Call::State::waiting && call.peer == peer && call.request_id == id) {
             return &call;
         }
@@ -44,7 +45,7 @@ OutstandingCalls::Call* OutstandingCalls::find_waiting(NodeId peer, RequestId id
 }
 
 OutstandingCalls::Call* OutstandingCalls::find_waiting(caniop::MessageHandle message) {
-    for (Call& call : calls_) {
+    for (Call& call : used()) {
         if (call.state == Call::State::waiting && call.message == message) return &call;
     }
     return nullptr;
@@ -55,17 +56,23 @@ void OutstandingCalls::end(Call& call, CallResult result) {
     call.result = std::move(result);
 }
 
+void OutstandingCalls::discard(Call& call) {
+    call.state = Call::State::free;
+    while (used_ > 0 && calls_[used_ - 1].state == Call::State::free) --used_;
+}
+
 std::optional<CallResult> OutstandingCalls::take(CallHandle handle) {
     Call* call = find(handle);
     if (call == nullptr) return CallResult{SystemError{SystemErrorKind::internal}};
     if (call->state == Call::State::waiting) return std::nullopt;
-    call->state = Call::State::free;
-    return std::move(call->result);
+    CallResult result = std::move(call->result);
+    discard(*call);
+    return result;
 }
 
 TimePoint OutstandingCalls::next_deadline() const {
     TimePoint earliest = never;
-    for (const Call& call : calls_) {
+    for (const Call& call : used()) {
         if (call.state == Call::State::waiting) earliest = std::min(earliest, call.deadline);
     }
     return earliest;

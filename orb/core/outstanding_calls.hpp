@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <variant>
 #include <vector>
 
@@ -30,7 +31,8 @@ using CallResult = std::variant<CallAnswer, SystemError>;
 ///
 /// Invariants:
 ///  * request ids of calls on the bus are unique among those that wait;
-///  * a call ends once: what comes later finds it no more.
+///  * a call ends once: what comes later finds it no more;
+///  * behind the first `used_` places all are free, so that few calls are few to look at.
 class OutstandingCalls {
   public:
     explicit OutstandingCalls(std::size_t capacity) : calls_(capacity) {}
@@ -57,7 +59,7 @@ class OutstandingCalls {
 
     void end(Call& call, CallResult result);
     /// Forgets a call that could not even be begun.
-    void discard(Call& call) { call.state = Call::State::free; }
+    void discard(Call& call);
     /// Takes the result of an ended call and forgets it; nothing while it waits. A call that is
     /// unknown is INTERNAL.
     std::optional<CallResult> take(CallHandle handle);
@@ -65,7 +67,7 @@ class OutstandingCalls {
     /// Calls `action(call)` for each call that waits.
     template <typename Action>
     void for_each_waiting(Action action) {
-        for (Call& call : calls_) {
+        for (Call& call : used()) {
             if (call.state == Call::State::waiting) action(call);
         }
     }
@@ -74,7 +76,11 @@ class OutstandingCalls {
     TimePoint next_deadline() const;
 
   private:
+    std::span<Call> used() { return {calls_.data(), used_}; }
+    std::span<const Call> used() const { return {calls_.data(), used_}; }
+
     std::vector<Call> calls_;
+    std::size_t used_ = 0;
     std::uint64_t last_handle_ = 0;
 };
 

@@ -36,6 +36,20 @@ void write_header(std::uint8_t* to, MessageType type, std::size_t length) {
     write_be16(to + message_size_offset, static_cast<std::uint16_t>(length - header_size));
 }
 
+/// Of a Request of at least that many octets, without its parameters.
+Request request_header(Bytes octets) {
+    return Request{.id = read_be16(octets.data() + request_id_offset),
+                   .object_key = read_be16(octets.data() + object_key_offset),
+                   .operation = octets[operation_offset]};
+}
+
+/// Of a Reply of at least that many octets, without its body; nothing for an unknown status.
+std::optional<Reply> reply_header(Bytes octets) {
+    const std::optional<ReplyStatus> status = reply_status(octets[reply_status_offset]);
+    if (!status) return std::nullopt;
+    return Reply{.id = read_be16(octets.data() + request_id_offset), .status = *status};
+}
+
 bool is_message_of_type(Bytes octets, MessageType type) {
     return message_length(octets).has_value() && message_type(octets[0]) == type;
 }
@@ -55,9 +69,7 @@ std::optional<Request> parse_request_header(Bytes first_frame) {
         first_frame.size() < request_header_size) {
         return std::nullopt;
     }
-    return Request{.id = read_be16(first_frame.data() + request_id_offset),
-                   .object_key = read_be16(first_frame.data() + object_key_offset),
-                   .operation = first_frame[operation_offset]};
+    return request_header(first_frame);
 }
 
 std::optional<Reply> parse_reply_header(Bytes first_frame) {
@@ -65,24 +77,28 @@ std::optional<Reply> parse_reply_header(Bytes first_frame) {
         first_frame.size() < reply_header_size) {
         return std::nullopt;
     }
-    const std::optional<ReplyStatus> status = reply_status(first_frame[reply_status_offset]);
-    if (!status) return std::nullopt;
-    return Reply{.id = read_be16(first_frame.data() + request_id_offset), .status = *status};
+    return reply_header(first_frame);
 }
 
 std::optional<Message> parse(Bytes message) {
     const std::optional<std::size_t> length = message_length(message);
     if (!length || *length != message.size()) return std::nullopt;
-    if (std::optional<Request> request = parse_request_header(message)) {
-        request->parameters = message.subspan(request_header_size);
-        return *request;
+    switch (*message_type(message[0])) {
+        case MessageType::request: {
+            Request request = request_header(message);
+            request.parameters = message.subspan(request_header_size);
+            return request;
+        }
+        case MessageType::reply: {
+            std::optional<Reply> reply = reply_header(message);
+            if (!reply) return std::nullopt;
+            reply->body = message.subspan(reply_header_size);
+            return *reply;
+        }
+        case MessageType::message_error:
+            break;
     }
-    if (std::optional<Reply> reply = parse_reply_header(message)) {
-        reply->body = message.subspan(reply_header_size);
-        return *reply;
-    }
-    if (is_message_of_type(message, MessageType::message_error)) return MessageError{};
-    return std::nullopt;
+    return MessageError{};
 }
 
 void write_request_header(std::span<std::uint8_t, request_header_size> header, RequestId id,

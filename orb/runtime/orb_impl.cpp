@@ -113,8 +113,10 @@ void OrbImpl::close() {
     }
     closed_ = true;
     shutdown();
-    changed_.notify_all();
+    wake_sleepers();
+    ++sleeping_;
     changed_.wait(lock, [&] { return waiting_ == 0; });
+    --sleeping_;
     if (Simulation* simulation = bus_.simulation()) simulation->impl().remove(*this);
     // References may keep this object alive, but nothing on the bus may; and callbacks, which may
     // hold references, must not keep it alive for ever. What they hold may call this ORB while it
@@ -160,11 +162,15 @@ bool OrbImpl::wait(Lock& lock, Role role, TimePoint deadline, Done done) {
         const TimePoint until = std::min(deadline, wakeup(role));
         if (!leading_) {
             lead(lock, until);
-        } else if (until == never) {
+            continue;
+        }
+        ++sleeping_;
+        if (until == never) {
             changed_.wait(lock);
         } else {
             changed_.wait_for(lock, until - time);
         }
+        --sleeping_;
     }
     --waiting_;
     if (role == Role::loop) --loops_;
@@ -189,12 +195,16 @@ void OrbImpl::lead(Lock& lock, TimePoint until) {
     leading_ = false;
     if (sources[0].revents != 0) wake_signal_.clear();
     if (sources[1].revents != 0) may_have_events_ = true;
-    changed_.notify_all();
+    wake_sleepers();
 }
 
 void OrbImpl::wake() {
     if (leading_) wake_signal_.raise();
-    changed_.notify_all();
+    wake_sleepers();
+}
+
+void OrbImpl::wake_sleepers() {
+    if (sleeping_ > 0) changed_.notify_all();
 }
 
 bool OrbImpl::may_run(Role role) const {
@@ -256,8 +266,9 @@ void OrbImpl::add_event(Event event) {
 }
 
 void OrbImpl::transmit(TimePoint now) {
-    if (const auto filters = engine_.take_filters(controller_->capabilities())) {
-        if (!controller_->set_filters(filters->span())) {
+    if (engine_.filters_changed()) {
+        const auto filters = engine_.take_filters(controller_->capabilities());
+        if (filters && !controller_->set_filters(filters->span())) {
             add_event({Event::Kind::controller_state, now,
                        "the CAN controller has no room for " + std::to_string(filters->size()) +
                            " acceptance filters: this node may not hear all of its groups"});

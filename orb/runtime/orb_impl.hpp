@@ -136,6 +136,7 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     template <typename Done>
     bool wait(Lock& lock, Role role, TimePoint deadline, Done done);
     void lead(Lock& lock, TimePoint until);
+    void wake_sleepers();
     void wake();
 
     bool may_run(Role role) const;
@@ -193,9 +194,10 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     /// The controller's poll() may have an event that its event_fd() does not tell of, or has told
     /// of already.
     bool may_have_events_ = true;
-    int loops_ = 0;    ///< threads in the event loop
-    int waiting_ = 0;  ///< threads in wait()
-    int depth_ = 0;    ///< of nested user code
+    int loops_ = 0;     ///< threads in the event loop
+    int waiting_ = 0;   ///< threads in wait()
+    int sleeping_ = 0;  ///< threads that wait for changed_
+    int depth_ = 0;     ///< of nested user code
     std::thread::id serving_thread_;
 };
 
