@@ -43,8 +43,12 @@ class SlcanLinkTest : public testing::Test {
     void expect(std::string_view octets) { EXPECT_EQ(line_->read(octets.size()), octets); }
     void answer(std::string_view octets) { line_->write(octets); }
 
-    /// The whole opening of an adapter in a good mood.
-    void greet(std::string_view open = "O\r") {
+    static constexpr std::string_view has_flags = "F00\r";
+    static constexpr std::string_view no_flags = "\a";
+
+    /// The whole opening of an adapter in a good mood. One without flags is not asked for them
+    /// later, however long a test takes.
+    void greet(std::string_view flags = no_flags, std::string_view open = "O\r") {
         expect("\r\r\rC\rV\r");
         answer("\a\a\a\rV1013\r");
         expect("S6\r");
@@ -54,12 +58,12 @@ class SlcanLinkTest : public testing::Test {
         expect(open);
         answer("\r");
         expect("F\r");
-        answer("F00\r");
+        answer(flags);
     }
 
-    void attach(const std::string& options = "") {
-        auto attached = std::async(std::launch::async, attach_to, address(options));
-        greet();
+    void attach(std::string_view flags = no_flags) {
+        auto attached = std::async(std::launch::async, attach_to, address());
+        greet(flags);
         take(attached.get());
     }
     void take(Attached attached) {
@@ -245,7 +249,7 @@ TEST_F(SlcanLinkTest, TriesAgainWhatTheAdapterHasNoRoomFor) {
 }
 
 TEST_F(SlcanLinkTest, AsksForTheFlagsWhenTheAdapterHasNoRoomForLong) {
-    attach();
+    attach(has_flags);
     send(standard(0x100));
     std::string command;
     for (int refused = 0; command != "F\r"; ++refused) {
@@ -351,7 +355,7 @@ TEST_F(SlcanLinkTest, GarbageWithoutEndKeepsNobodyBusy) {
 }
 
 TEST_F(SlcanLinkTest, TellsWhatTheFlagsTell) {
-    attach();
+    attach(has_flags);
     poll_until("F\r");
     answer("F04\r");  // error warning is error active
     poll_until("F\r");
@@ -464,7 +468,7 @@ TEST_F(SlcanLinkTest, ComesBackWithItsFiltersWhenTheAdapterDoes) {
     line_ = std::make_unique<PseudoTerminal>();
     std::filesystem::create_symlink(line_->device(), name);
     controller_->recover();  // not needed, and does no harm
-    std::thread adapter{[&] { greet("L\r"); }};
+    std::thread adapter{[&] { greet(no_flags, "L\r"); }};
     expect_state(ControllerState::error_active);
     adapter.join();
     EXPECT_EQ(controller_->explanation(), "");
@@ -489,7 +493,7 @@ TEST_F(SlcanLinkTest, IsStoppedWhenTheAdapterAnswersNoMore) {
 }
 
 TEST_F(SlcanLinkTest, IsSetUpAgainWhenItWasWithoutPower) {
-    attach();
+    attach(has_flags);
     poll_until("F\r");
     answer("\a");
     expect_state(ControllerState::stopped);
@@ -510,7 +514,9 @@ TEST_F(SlcanLinkTest, AnAnswerThatWasThereInTimeIsNotLate) {
 
 TEST_F(SlcanLinkTest, GivesTheTerminalItsSettingsBack) {
     const termios before = line_->settings();
-    attach("?baud=230400");
+    auto attached = std::async(std::launch::async, attach_to, address("?baud=230400"));
+    greet();
+    take(attached.get());
     termios during = line_->settings();
     EXPECT_EQ(::cfgetospeed(&during), static_cast<speed_t>(B230400));
     EXPECT_EQ(during.c_lflag & (ICANON | ECHO | ISIG), 0U);
