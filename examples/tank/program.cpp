@@ -100,8 +100,11 @@ void keep_on_bus(canorb::Orb& orb) {
     });
 }
 
-NodePrinter::NodePrinter(canorb::Orb& orb, std::string_view node)
+NodePrinter::NodePrinter(canorb::Orb& orb, std::string_view node, const NodeOptions& options)
     : orb_(orb), node_(node), start_(orb.now()) {
+    const std::uint32_t bitrate = orb.link_capabilities().bitrate;
+    log(fmt::format("node {} on {}{}", options.node, options.bus,
+                    bitrate == 0 ? "" : fmt::format(", {} bit/s", bitrate)));
     orb.every(std::chrono::milliseconds{250}, [this] { print_panel(); });
 }
 

@@ -65,10 +65,10 @@ class StopSignals {
 /// the bus was gone.
 void keep_on_bus(canorb::Orb& orb);
 
-/// Prints a node's log, and its panel when it changed, four times a second at most.
+/// Prints where a node is, its log, and its panel when it changed, four times a second at most.
 class NodePrinter {
   public:
-    NodePrinter(canorb::Orb& orb, std::string_view node);
+    NodePrinter(canorb::Orb& orb, std::string_view node, const NodeOptions& options);
 
     void log(std::string_view text);
     void show(const Panel& panel) { panel_ = panel; }

@@ -52,7 +52,7 @@ int main(int argc, char** argv) {
     return tank::run_program("tank_node_a", [&] {
         const auto bus = canorb::open_bus(options.bus);
         canorb::Orb orb{*bus, {.node = options.node, .name = "tank-a"}};
-        tank::NodePrinter printer{orb, "A"};
+        tank::NodePrinter printer{orb, "A", options};
         tank::SerialTerminal line;
         printer.log("operator station at " + line.path());
         tank::NodeA node{

@@ -16,7 +16,7 @@ int main(int argc, char** argv) {
     return tank::run_program("tank_node_b", [&] {
         const auto bus = canorb::open_bus(options.bus);
         canorb::Orb orb{*bus, {.node = options.node, .name = "tank-b"}};
-        tank::NodePrinter printer{orb, "B"};
+        tank::NodePrinter printer{orb, "B", options};
         tank::NodeB node{
             orb,
             {.display = [&](const tank::PlantStatus& s) { printer.show(tank::panel_of(s)); },

@@ -43,7 +43,7 @@ std::string_view default_bus_address();
 /// * `local:NAME`, `local:NAME?bitrate=250000`: a simulated bus inside this process, for everyone
 ///   who opens the same name. 500 kbit/s where the first does not say.
 /// * `sim:PATH`: the bus of a canorb-bus daemon that listens on the Unix socket PATH.
-/// * `socketcan:IFNAME`: a Linux CAN interface.
+/// * `socketcan:IFNAME`: a CAN interface of Linux.
 /// * `slcan:DEVICE`, `slcan:DEVICE?bitrate=250000`: a serial adapter. 500 kbit/s where it does not
 ///   say.
 ///
