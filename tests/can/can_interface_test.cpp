@@ -24,8 +24,8 @@ using testing::VariantWith;
 // struct nlmsghdr: length, type RTM_NEWLINK, flags, sequence, port
 const std::string new_can0 =
     "84000000 1000 0000 00000000 00000000"
-    // struct ifinfomsg: family, ARPHRD_CAN, index 5, IFF_UP | IFF_ECHO, change
-    "00 00 1801 05000000 01000400 FFFFFFFF"
+    // struct ifinfomsg: family, ARPHRD_CAN, index 5, IFF_UP | RUNNING | LOWER_UP | ECHO, change
+    "00 00 1801 05000000 41000500 FFFFFFFF"
     // IFLA_IFNAME, padded to a multiple of four
     "0900 0300 63616E30 00 000000"
     // IFLA_LINKINFO, marked as nested, with IFLA_INFO_KIND and IFLA_INFO_DATA
@@ -43,7 +43,7 @@ const std::string new_can0 =
 
 const std::string new_vcan0 =
     "40000000 1000 0000 00000000 00000000"
-    "00 00 1801 03000000 C1000000 FFFFFFFF"
+    "00 00 1801 03000000 C1000100 FFFFFFFF"
     "0A00 0300 7663616E30 00 0000"
     "1400 1200 0900 0100 7663616E 00 000000 0000 0000";
 
@@ -72,6 +72,8 @@ TEST_F(Netlink, TellsAllOfAnInterface) {
     EXPECT_TRUE(status.is_can);
     EXPECT_FALSE(status.removed);
     EXPECT_TRUE(status.up);
+    EXPECT_TRUE(status.carrier);
+    EXPECT_TRUE(status.running);
     EXPECT_TRUE(status.echoes);
     EXPECT_TRUE(status.listen_only);
     EXPECT_TRUE(status.restarts_itself);
@@ -110,7 +112,11 @@ TEST_F(Netlink, KnowsTheKernelsStates) {
 }
 
 TEST_F(Netlink, DownAndRemoved) {
-    EXPECT_FALSE(only_interface(with(new_can0, "01000400", "00000400")).up);
+    EXPECT_FALSE(only_interface(with(new_can0, "41000500", "00000400")).up);
+    const InterfaceStatus bus_off = only_interface(with(new_can0, "41000500", "01000400"));
+    EXPECT_TRUE(bus_off.up);
+    EXPECT_FALSE(bus_off.carrier);
+    EXPECT_FALSE(bus_off.running);
     const InterfaceStatus removed = only_interface(with(new_can0, "1000 0000", "1100 0000"));
     EXPECT_TRUE(removed.removed);
     EXPECT_FALSE(removed.up) << "whatever its flags say";

@@ -176,6 +176,26 @@ TEST_F(Interface, OfARealDriverGoesDownInACall) {
     EXPECT_EQ(client.object_on(3).invoke(8, octets), octets);
 }
 
+TEST_F(Interface, HasNoCarrierWhileItsOtherEndIsDown) {
+    ip("link add vxcan8 type vxcan peer name vxcan9");
+    set_up("vxcan8", true);
+    {
+        Node server{"socketcan:vxcan8", 3};
+        EXPECT_TRUE(server.tells(ControllerState::stopped));
+        EXPECT_THAT(server.events(Event::Kind::controller_state).at(0).text,
+                    HasSubstr("vxcan8 has no carrier"));
+        server->root_poa().activate_object_with_id(1, servant);
+        set_up("vxcan9", true);
+        Node client{"socketcan:vxcan9", 5};
+        EXPECT_TRUE(server.tells(ControllerState::error_active));
+        EXPECT_EQ(client.object_on(3).invoke(8, std::vector<std::uint8_t>{1}),
+                  std::vector<std::uint8_t>{1});
+        set_up("vxcan9", false);
+        EXPECT_TRUE(server.tells(ControllerState::stopped));
+    }
+    ip("link delete vxcan8");
+}
+
 TEST_F(Interface, IsSharedByTwoNetworkNamespaces) {
     ip("netns add canorb-a");
     ip("netns add canorb-b");

@@ -100,6 +100,8 @@ std::optional<InterfaceStatus> parse_interface(Bytes content, bool removed) {
     status.is_can = link->ifi_type == ARPHRD_CAN;
     status.removed = removed;
     status.up = !removed && (link->ifi_flags & IFF_UP) != 0;
+    status.carrier = (link->ifi_flags & IFF_LOWER_UP) != 0;
+    status.running = (link->ifi_flags & IFF_RUNNING) != 0;
     status.echoes = (link->ifi_flags & IFF_ECHO) != 0;
     const Bytes information = find_attribute(attributes, IFLA_LINKINFO).value_or(Bytes{});
     if (find_text(information, IFLA_INFO_KIND) == "can") {

@@ -21,6 +21,11 @@ struct InterfaceStatus {
     bool is_can = false;  ///< carries CAN frames
     bool removed = false;
     bool up = false;
+    /// A driver takes its carrier away in bus-off, and a vxcan has none while its peer is down. The
+    /// kernel drops frames without an error until it is `running` again, which may be a second
+    /// later.
+    bool carrier = false;
+    bool running = false;
     bool echoes = false;  ///< gives sent frames back when they are on the bus, not before
     bool listen_only = false;
     bool restarts_itself = false;         ///< after bus-off: restart-ms is set

@@ -133,6 +133,7 @@ Result<std::unique_ptr<SocketCanController>, std::string> SocketCanController::o
     }
     controller->follow_interface();
     // How it begins is asked for, not told.
+    controller->told_state_ = controller->status_.state;
     controller->own_events_.clear();
     controller->signalled_ = false;
     controller->own_signal_.clear();
@@ -319,6 +320,9 @@ std::optional<ControllerEvent> SocketCanController::poll() {
             ControllerEvent event = own_events_.front();
             own_events_.pop_front();
             if (std::holds_alternative<TransmitResult>(event)) --results_;
+            if (const auto* change = std::get_if<StateChanged>(&event)) {
+                told_state_ = change->status.state;
+            }
             if (own_events_.empty() && signalled_) {
                 signalled_ = false;
                 own_signal_.clear();
@@ -448,6 +452,10 @@ void SocketCanController::take_error(const can_frame& frame, TimePoint time) {
     if (report.receive_overflow) tell(FramesLost{1, time});
     if (report.transmit_timeout) fail_in_flight();
     if (status_.state == ControllerState::stopped) return;  // it came before that
+    if (status_.state == ControllerState::bus_off && report.state && monitor_.status().errors) {
+        monitor_.refresh();  // it is back when the interface is running again
+        return;
+    }
     ErrorStatus status = status_;
     if (report.tec) status.tec = *report.tec;
     if (report.rec) status.rec = *report.rec;
@@ -464,6 +472,7 @@ void SocketCanController::follow_interface() {
         enter_state({.state = ControllerState::stopped});
         if (interface.removed || interface.index != bound_to_) socket_.reset();
     }
+    carrier_lost_ = interface.up && !interface.running && (carrier_lost_ || !interface.carrier);
     if (!interface.up) return;
     if (!socket_.is_open() && open_socket() != 0) {
         set_timer(timer_, watch_interval);  // to try again
@@ -474,6 +483,10 @@ void SocketCanController::follow_interface() {
         status = *interface.errors;
     } else if (status.state == ControllerState::stopped) {
         status = ErrorStatus{};
+    }
+    if (carrier_lost_ && status.state != ControllerState::bus_off) {
+        status.state = status_.state == ControllerState::bus_off ? ControllerState::bus_off
+                                                                 : ControllerState::stopped;
     }
     enter_state(status);
 }
@@ -513,7 +526,10 @@ void SocketCanController::tell(const ControllerEvent& event) {
 
 ErrorStatus SocketCanController::error_status() const {
     const std::lock_guard lock{mutex_};
-    return status_;
+    // Not ahead of the events: who has not taken them yet is not in the new state.
+    ErrorStatus status = status_;
+    status.state = told_state_;
+    return status;
 }
 
 std::optional<std::string> SocketCanController::recover() {
@@ -546,6 +562,7 @@ std::string SocketCanController::explanation() const {
         case ControllerState::stopped:
             if (interface.removed) return "there is no interface " + name_ + " any more";
             if (!interface.up) return name_ + " is down: ip link set " + name_ + " up";
+            if (carrier_lost_) return name_ + " has no carrier: is its other end up?";
             return {};
         case ControllerState::bus_off:
             if (!interface.errors) return {};

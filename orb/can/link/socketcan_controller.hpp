@@ -120,6 +120,8 @@ class SocketCanController final : public Controller {
     std::size_t results_ = 0;                 ///< TransmitResults among them
     bool signalled_ = false;
     ErrorStatus status_{.state = ControllerState::stopped};
+    ControllerState told_state_ = ControllerState::stopped;  ///< by the StateChanged taken last
+    bool carrier_lost_ = false;  ///< and the interface is not running again
     std::vector<Filter> filters_;
     std::vector<std::uint32_t> sent_ids_;
     std::vector<InFlight> in_flight_;
