@@ -100,6 +100,11 @@ class SlcanLinkTest : public testing::Test {
             }
         }
     }
+    /// There may be an event.
+    bool is_readable() const {
+        pollfd readable{controller_->event_fd(), POLLIN, 0};
+        return ::poll(&readable, 1, 0) == 1;
+    }
     template <typename Event>
     Event next() {
         const auto event = next_event();
@@ -166,8 +171,16 @@ TEST_F(SlcanLinkTest, TakesAnAdapterThatKnowsNeitherAutoPollNorFlags) {
     take(attached.get());
     EXPECT_EQ(controller_->capabilities().bitrate, 1'000'000U);
     EXPECT_EQ(next_event(600), std::nullopt);
-    send(standard(0x001));
+    const TransmitHandle handle = send(standard(0x001));
     expect("t0010\r");  // and not F
+    answer("\a");
+    poll_until("t0010\r");  // nor now, when other adapters could tell why they refuse
+    answer("z\r");
+    expect_result(handle, TransmitOutcome::sent);
+    EXPECT_EQ(next_event(600), std::nullopt);
+    EXPECT_EQ(controller_->error_status(), ErrorStatus{});
+    controller_.reset();
+    expect("C\r");
 }
 
 TEST_F(SlcanLinkTest, WaitsForAnAdapterThatStartsSlowly) {
@@ -282,6 +295,48 @@ TEST_F(SlcanLinkTest, AbortsWhatTheAdapterHasNot) {
     answer("\a");
     expect_result(refused, TransmitOutcome::aborted);
     EXPECT_EQ(line_->read(1, 20), "");
+}
+
+TEST_F(SlcanLinkTest, IsReadableWhileItHasResults) {
+    attach();
+    const TransmitHandle taken = send(standard(0x100));
+    const TransmitHandle waiting[] = {send(standard(0x200)), send(standard(0x300))};
+    expect("t1000\r");
+    EXPECT_FALSE(is_readable());
+    controller_->abort(waiting[0]);
+    EXPECT_TRUE(is_readable());
+    expect_result(waiting[0], TransmitOutcome::aborted);
+    EXPECT_FALSE(is_readable());
+    controller_->abort(taken);  // which the adapter has
+    EXPECT_FALSE(is_readable());
+    ASSERT_TRUE(controller_->set_listen_only(true));
+    EXPECT_TRUE(is_readable());
+    expect_result(waiting[1], TransmitOutcome::aborted);
+    EXPECT_FALSE(is_readable());
+}
+
+TEST_F(SlcanLinkTest, IsReadableWithTheResultsOfAPeerWithoutAnswers) {
+    take(attach_to(address("?answers=no")));
+    expect("\r\r\rC\rS6\rO\r");
+    EXPECT_FALSE(is_readable());
+    const TransmitHandle first = send(standard(0x200));
+    EXPECT_TRUE(is_readable());
+    const TransmitHandle second = send(standard(0x100));
+    expect_result(first, TransmitOutcome::sent);
+    EXPECT_TRUE(is_readable());
+    expect_result(second, TransmitOutcome::sent);
+    EXPECT_FALSE(is_readable());
+}
+
+TEST_F(SlcanLinkTest, IsReadableWhenSendFindsTheTerminalGone) {
+    take(attach_to(address("?answers=no")));
+    expect("\r\r\rC\rS6\rO\r");
+    line_->unplug();
+    const TransmitHandle handle = send(standard(0x100));
+    EXPECT_TRUE(is_readable());
+    expect_state(ControllerState::stopped);
+    EXPECT_TRUE(is_readable());
+    expect_result(handle, TransmitOutcome::failed);
 }
 
 TEST_F(SlcanLinkTest, ReceivesHoweverTheOctetsArrive) {

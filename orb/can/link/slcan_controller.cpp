@@ -9,7 +9,6 @@
 #include <chrono>
 #include <utility>
 
-#include "orb/can/frame_length.hpp"
 #include "orb/can/link/link.hpp"
 
 namespace canorb::can {
@@ -17,7 +16,6 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t mailboxes = 8;
 constexpr std::size_t filter_list = 64;
 
 constexpr Duration answer_patience = 1s;
@@ -39,9 +37,9 @@ constexpr int pieces_per_poll = 16;
 SlcanController::SlcanController(SlcanAddress address)
     : address_(std::move(address)),
       own_events_(0),
+      mailboxes_(own_events_),
       epoll_(::epoll_create1(EPOLL_CLOEXEC)),
       timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
-    transmissions_.reserve(mailboxes);
     watch(own_signal_.fd());
     watch(timer_.get());
 }
@@ -76,7 +74,7 @@ Result<std::unique_ptr<SlcanController>, std::string> SlcanController::open(Slca
 
 Capabilities SlcanController::capabilities() const {
     Capabilities result;
-    result.mailboxes = mailboxes;
+    result.mailboxes = SlcanMailboxes::count;
     result.filter_list = filter_list;
     result.bitrate = address_.bitrate;
     result.listen_only = address_.answers;
@@ -91,18 +89,15 @@ SendResult SlcanController::send(const Frame& frame, SendOptions options) {
     }
     if (status_.state == ControllerState::stopped) return SendError::stopped;
     if (status_.state == ControllerState::bus_off) return SendError::bus_off;
-    if (transmissions_.size() >= mailboxes) return SendError::full;
-    const TransmitHandle handle{next_handle_++};
-    transmissions_.push_back({handle, arbitration_field(frame), frame});
+    if (mailboxes_.full()) return SendError::full;
+    const TransmitHandle handle = mailboxes_.add(frame);
     go_on(monotonic_now());
     return handle;
 }
 
 void SlcanController::abort(TransmitHandle handle) {
     const std::lock_guard lock{mutex_};
-    for (Transmission& transmission : transmissions_) {
-        if (transmission.handle == handle) withdraw(transmission, monotonic_now());
-    }
+    mailboxes_.withdraw(handle, monotonic_now());
     update_signal();
 }
 
@@ -119,9 +114,7 @@ bool SlcanController::set_listen_only(bool on) {
     if (!address_.answers) return false;
     const TimePoint now = monotonic_now();
     listen_only_ = on;
-    if (on) {
-        for (Transmission& transmission : transmissions_) withdraw(transmission, now);
-    }
+    if (on) mailboxes_.withdraw_all(now);
     go_on(now);
     return true;
 }
@@ -158,13 +151,7 @@ std::optional<ControllerEvent> SlcanController::poll() {
     }
     if (!port_.is_open() && now >= reopen_at_) open_port(now);
     auto event = next_event(now);
-    if (event) {
-        if (const auto* result = std::get_if<TransmitResult>(&*event)) {
-            std::erase_if(transmissions_, [&](const Transmission& transmission) {
-                return transmission.handle == result->handle;
-            });
-        }
-    }
+    if (event) mailboxes_.on_taken(*event);
     go_on(now);
     return event;
 }
@@ -230,50 +217,15 @@ void SlcanController::change_state(const ErrorStatus& status, TimePoint now) {
     status_ = status;
     if (!news) return;
     own_events_.push(StateChanged{status, now});
-    if (is_up()) return;
-    for (Transmission& transmission : transmissions_) {
-        finish(transmission, TransmitOutcome::failed, now);
-    }
-}
-
-void SlcanController::finish(Transmission& transmission, TransmitOutcome outcome, TimePoint now) {
-    if (transmission.over) return;
-    transmission.over = true;
-    own_events_.push(TransmitResult{transmission.handle, outcome, now});
-}
-
-bool SlcanController::is_under_way(const Transmission& transmission) const {
-    return awaited_ == Command::transmit && transmission.handle == under_way_;
-}
-
-void SlcanController::withdraw(Transmission& transmission, TimePoint now) {
-    transmission.withdrawn = true;
-    if (!is_under_way(transmission)) finish(transmission, TransmitOutcome::aborted, now);
-}
-
-SlcanController::Transmission* SlcanController::next_transmission() {
-    Transmission* lowest = nullptr;
-    for (Transmission& transmission : transmissions_) {
-        if (transmission.over) continue;
-        if (lowest == nullptr || transmission.arbitration < lowest->arbitration) {
-            lowest = &transmission;
-        }
-    }
-    return lowest;
+    if (!is_up()) mailboxes_.fail_all(now);
 }
 
 void SlcanController::end_transmission(bool accepted, TimePoint now) {
-    for (Transmission& transmission : transmissions_) {
-        if (transmission.handle != under_way_) continue;
-        if (accepted) {
-            finish(transmission, TransmitOutcome::sent, now);
-        } else if (transmission.withdrawn) {
-            finish(transmission, TransmitOutcome::aborted, now);
-        } else {
-            retry_at_ = now + retry_pause;
-            flags_due_ = std::min(flags_due_, last_flags_ + flags_pause);
-        }
-    }
+    awaited_ = Command::none;
+    if (!mailboxes_.end(accepted, now)) return;
+    retry_at_ = now + retry_pause;
+    // An adapter without flags is not asked for them here either.
+    if (flags_due_ != never) flags_due_ = std::min(flags_due_, last_flags_ + flags_pause);
 }
 
 void SlcanController::put(Command command, std::string_view text, TimePoint now, int answers) {
@@ -325,10 +277,8 @@ bool SlcanController::put_next(TimePoint now) {
         put(Command::flags, slcan::flags_command, now);
         return true;
     }
-    Transmission* const next = next_transmission();
-    if (next == nullptr || now < retry_at_) return false;
-    under_way_ = next->handle;
-    put(Command::transmit, slcan::transmit_command(next->frame).text(), now);
+    if (!mailboxes_.waits() || now < retry_at_) return false;
+    put(Command::transmit, slcan::transmit_command(mailboxes_.start()).text(), now);
     return true;
 }
 
@@ -397,7 +347,6 @@ void SlcanController::on_done(TimePoint now) {
             awaited_ = Command::none;
             return;
         case Command::transmit:
-            awaited_ = Command::none;
             return end_transmission(true, now);
     }
 }
@@ -418,7 +367,6 @@ void SlcanController::on_refused(TimePoint now) {
                             " has closed its channel: was it without power?",
                         now);
         case Command::transmit:
-            awaited_ = Command::none;
             return end_transmission(false, now);
         default:
             return on_done(now);
@@ -522,7 +470,7 @@ void SlcanController::set_timer() {
         due = answer_by_;
     } else if (is_up()) {
         due = flags_due_;
-        if (next_transmission() != nullptr) due = std::min(due, retry_at_);
+        if (mailboxes_.waits()) due = std::min(due, retry_at_);
     }
     if (due >= timer_due_) return;
     timer_due_ = due;

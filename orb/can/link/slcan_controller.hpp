@@ -16,6 +16,7 @@
 #include "orb/can/link/address.hpp"
 #include "orb/can/link/descriptor.hpp"
 #include "orb/can/link/serial_port.hpp"
+#include "orb/can/link/slcan_mailboxes.hpp"
 #include "orb/can/link/slcan_protocol.hpp"
 #include "orb/can/sim/event_queue.hpp"
 
@@ -29,7 +30,6 @@ namespace canorb::can {
 ///   there are events or unread octets here.
 /// * At most one command awaits its answer. A new one is written only when the one before is
 ///   written completely and answered.
-/// * `transmissions_` has each send() until poll() returned its result.
 class SlcanController final : public Controller {
   public:
     /// Blocks until the adapter is on the bus, some seconds where nothing answers. The error is a
@@ -64,14 +64,6 @@ class SlcanController final : public Controller {
         transmit,
     };
 
-    struct Transmission {
-        TransmitHandle handle;
-        std::uint32_t arbitration;
-        Frame frame;
-        bool withdrawn = false;  ///< not to be tried again
-        bool over = false;       ///< the result is among the events
-    };
-
     explicit SlcanController(SlcanAddress address);
 
     void watch(int fd) const;
@@ -85,11 +77,6 @@ class SlcanController final : public Controller {
     void lose(std::string why, TimePoint now);
     void change_state(const ErrorStatus& status, TimePoint now);
 
-    void finish(Transmission& transmission, TransmitOutcome outcome, TimePoint now);
-    bool is_under_way(const Transmission& transmission) const;
-    void withdraw(Transmission& transmission, TimePoint now);
-    /// The frame that would win an arbitration among those that wait.
-    Transmission* next_transmission();
     void end_transmission(bool accepted, TimePoint now);
 
     /// Writes commands until one has to wait for its answer. Every public function that may have
@@ -130,10 +117,6 @@ class SlcanController final : public Controller {
     bool listen_only_ = false;
     bool channel_listens_only_ = false;
 
-    std::vector<Transmission> transmissions_;
-    TransmitHandle under_way_{};  ///< while Command::transmit is awaited
-    std::uint64_t next_handle_ = 1;
-
     SerialPort port_;
     slcan::Receiver receiver_;
     std::array<char, 512> input_buffer_;
@@ -148,12 +131,13 @@ class SlcanController final : public Controller {
     int answers_due_ = 0;
     int greetings_left_ = 0;
     TimePoint answer_by_ = never;
-    TimePoint flags_due_ = never;
+    TimePoint flags_due_ = never;  ///< `never`: the adapter has no flags
     TimePoint last_flags_;
     TimePoint retry_at_;
     TimePoint reopen_at_ = never;
 
     sim::EventQueue own_events_;
+    SlcanMailboxes mailboxes_;
     Signal own_signal_;
     bool signalled_ = false;
     Descriptor epoll_;
