@@ -42,11 +42,13 @@ struct Received {
     TimePoint time;  ///< end of EOF, on the bus's clock
 };
 
-/// A transmission came to its end. Exactly one for each successful send().
+/// A transmission came to its end. Exactly one for each successful send(), from poll() or from
+/// send() itself.
 struct TransmitResult {
     TransmitHandle handle;
     TransmitOutcome outcome;
     TimePoint time;  ///< `sent`: end of EOF, on the bus's clock; else the moment it was known
+    friend bool operator==(const TransmitResult&, const TransmitResult&) = default;
 };
 
 /// The fault confinement state changed.
@@ -86,8 +88,9 @@ enum class SendError : std::uint8_t {
     unsupported,  ///< the frame, or one-shot, is beyond the Capabilities, or listen-only is on
 };
 
-/// Either the handle or why there is none.
-using SendResult = std::variant<TransmitHandle, SendError>;
+/// The handle of a transmission whose TransmitResult will come; or the result itself, where it is
+/// known at once; or why there is none.
+using SendResult = std::variant<TransmitHandle, TransmitResult, SendError>;
 
 struct SendOptions {
     bool one_shot = false;  ///< do not repeat after an error or a lost arbitration
@@ -138,9 +141,7 @@ class Controller {
     virtual std::optional<ControllerEvent> poll() = 0;
 
     /// A file descriptor that is readable while poll() may have an event, or -1 where there is
-    /// none (a virtual bus). What follows at once from a call of one's own does not make it
-    /// readable: poll() after send() and abort(), and then wait. Valid as long as the controller;
-    /// do not read from it.
+    /// none (a virtual bus). Valid as long as the controller; do not read from it.
     virtual int event_fd() const = 0;
 
   protected:

@@ -61,7 +61,8 @@ struct Finished {
 ///         const can::SendResult result = controller.send(*frame);
 ///         const auto* handle = std::get_if<can::TransmitHandle>(&result);
 ///         if (handle == nullptr) break;  // full: again after the next TransmitResult
-///         queue.handed_over(*handle);
+///         queue.handed_over(*handle);    // (where send() has the result: with its handle, and
+///                                        // then on_result())
 ///     }
 ///     while (auto finished = queue.next_finished()) { ... }
 ///

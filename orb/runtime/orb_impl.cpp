@@ -20,6 +20,9 @@ constexpr int max_events_in_a_row = 256;
 /// Events that wait for the event loop; more are only counted.
 constexpr std::size_t max_waiting_events = 256;
 
+/// Frames that a link takes at once and that are sent before it is asked what has come.
+constexpr int max_frames_in_a_row = 16;
+
 /// Servant calls and callbacks that one poll() runs at most.
 constexpr std::size_t max_polled = 256;
 
@@ -275,13 +278,23 @@ void OrbImpl::transmit(TimePoint now) {
         }
     }
     while (const auto frame = engine_.next_abort()) controller_->abort(*frame);
+    int frames = 0;
     while (const auto frame = engine_.next_frame(now)) {
+        if (++frames > max_frames_in_a_row) {
+            may_have_events_ = true;
+            break;
+        }
         const can::SendResult result = controller_->send(*frame);
-        const auto* handle = std::get_if<can::TransmitHandle>(&result);
-        if (handle == nullptr) break;  // full, or an event about the link's state is on its way
-        engine_.handed_over(*handle);
-        may_have_events_ = true;  // it may be confirmed already
+        if (const auto* handle = std::get_if<can::TransmitHandle>(&result)) {
+            engine_.handed_over(*handle);
+        } else if (const auto* sent = std::get_if<can::TransmitResult>(&result)) {
+            engine_.handed_over(sent->handle);
+            engine_.on_event(*sent, now);
+        } else {
+            break;  // full, or an event about the link's state is on its way
+        }
     }
+    collect_notices();
 }
 
 bool OrbImpl::refuse_nested(TimePoint now) {

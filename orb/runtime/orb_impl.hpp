@@ -191,8 +191,8 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     bool served_last_ = false;  ///< a request, and no timer since
     bool closed_ = false;
     bool leading_ = false;
-    /// The controller's poll() may have an event that its event_fd() does not tell of, or has told
-    /// of already.
+    /// The controller's event_fd() was readable, and poll() has not yet said that there is nothing;
+    /// or there is more to send.
     bool may_have_events_ = true;
     int loops_ = 0;     ///< threads in the event loop
     int waiting_ = 0;   ///< threads in wait()

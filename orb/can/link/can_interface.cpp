@@ -231,38 +231,53 @@ Result<InterfaceMonitor, int> InterfaceMonitor::open(std::string name) {
     }
     InterfaceMonitor monitor{std::move(name), std::move(socket)};
     monitor.refresh();
-    monitor.update();
     return monitor;
 }
 
-void InterfaceMonitor::update() {
+bool InterfaceMonitor::update() {
+    if (!drain()) return false;
+    refresh();
+    return true;
+}
+
+void InterfaceMonitor::refresh() {
+    // A socket that is full takes no answer.
+    drain();
+    // The kernel answers before this returns. It fails only where drain() would fail as well.
+    [[maybe_unused]] const int error = send_datagram(socket_, interface_query(name_));
+    drain();
+}
+
+// True: there were news of this interface, or something was lost.
+bool InterfaceMonitor::drain() {
+    bool any = false;
     for (;;) {
         const auto messages = receive_datagram(socket_, buffer_);
         if (messages) {
-            for (const NetlinkMessage& message : *messages) take(message);
+            for (const NetlinkMessage& message : *messages) any = take(message) || any;
         } else if (errno == ENOBUFS) {
-            refresh();  // something was lost
+            any = true;
         } else {
-            return;
+            return any;
         }
     }
 }
 
-void InterfaceMonitor::refresh() {
-    // The kernel answers before this returns. It fails only where update() would fail as well.
-    [[maybe_unused]] const int error = send_datagram(socket_, interface_query(name_));
-}
-
-void InterfaceMonitor::take(const NetlinkMessage& message) {
+bool InterfaceMonitor::take(const NetlinkMessage& message) {
     if (const auto* answer = std::get_if<NetlinkAnswer>(&message)) {
         // The only question asked here is the one for the interface.
         if (answer->error == ENODEV) status_ = InterfaceStatus{.removed = true};
-        return;
+        return true;
     }
     const auto& news = std::get<InterfaceStatus>(message);
-    const bool same = !status_.removed && news.index == status_.index;
-    // One that was renamed is still the one that this is about.
-    if (same || (news.name == name_ && !news.removed)) status_ = news;
+    const bool is_known = !status_.removed && news.index == status_.index;
+    if (news.name == name_ && (is_known || !news.removed)) {
+        status_ = news;
+        return true;
+    }
+    // It has another name now.
+    if (is_known) status_ = InterfaceStatus{.removed = true};
+    return is_known;
 }
 
 int restart_interface(int index) {

@@ -59,18 +59,20 @@ class InterfaceMonitor {
     /// Readable when update() has something to do.
     int fd() const { return socket_.get(); }
 
-    /// Takes in what has changed.
-    void update();
+    /// Takes in what has changed. True: there were news of this interface, and status() is as of
+    /// now, whatever was in the news.
+    bool update();
 
-    /// Asks the kernel for everything anew.
+    /// Asks the kernel: status() is as of now.
     void refresh();
 
-    /// As of the last update(): an interface that does not exist is `removed`.
+    /// As of the last update() or refresh(). An interface that does not exist is `removed`.
     const InterfaceStatus& status() const { return status_; }
 
   private:
     InterfaceMonitor(std::string name, Descriptor socket);
-    void take(const NetlinkMessage& message);
+    bool drain();
+    bool take(const NetlinkMessage& message);
 
     std::string name_;
     Descriptor socket_;

@@ -1,18 +1,15 @@
 #include "orb/can/link/socketcan_controller.hpp"
 
 #include <linux/can/raw.h>
-#include <linux/errqueue.h>
-#include <linux/net_tstamp.h>
-#include <linux/sock_diag.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
 #include <sys/timerfd.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <cstring>
-#include <ctime>
 
 #include "orb/can/link/link.hpp"
 #include "orb/can/link/socketcan_frame.hpp"
@@ -22,11 +19,7 @@ namespace {
 
 constexpr std::size_t mailboxes = 8;
 constexpr std::size_t filter_list = 64;
-/// CAN_RAW_FILTER_MAX is for both together.
-constexpr std::size_t max_sent_ids = CAN_RAW_FILTER_MAX - filter_list;
-
-/// More than the default, which holds some 270 frames. The kernel gives what rmem_max allows.
-constexpr int receive_buffer = 1 << 20;
+constexpr std::size_t max_sent_ids = CAN_RAW_FILTER_MAX;
 
 /// A full transmit queue of the interface wakes nobody when it has room again. Ten frames, the
 /// usual length of that queue, take about as long.
@@ -36,21 +29,6 @@ constexpr Duration room_interval = std::chrono::milliseconds{1};
 /// drivers do so in one-shot mode, and when they are short of memory.
 constexpr Duration confirmation_limit = std::chrono::seconds{5};
 constexpr Duration watch_interval = std::chrono::seconds{1};
-
-template <typename Value>
-int set_option(const Descriptor& socket, int level, int option, const Value& value) {
-    return ::setsockopt(socket.get(), level, option, &value, sizeof value) == 0 ? 0 : errno;
-}
-
-Duration to_duration(const timespec& time) {
-    return std::chrono::seconds{time.tv_sec} + Duration{time.tv_nsec};
-}
-
-ReceiveClock::Present look_at_clocks() {
-    timespec time_of_day{};
-    ::clock_gettime(CLOCK_REALTIME, &time_of_day);
-    return {monotonic_now(), to_duration(time_of_day)};
-}
 
 bool is_same(const can_frame& a, const can_frame& b) {
     return a.can_id == b.can_id && a.can_dlc == b.can_dlc &&
@@ -89,15 +67,6 @@ std::string why_no_socket(int error) {
 
 }  // namespace
 
-SocketCanController::Batch::Batch() {
-    for (std::size_t i = 0; i < batch_size; ++i) {
-        vectors[i] = {&frames[i], sizeof frames[i]};
-        headers[i].msg_hdr.msg_iov = &vectors[i];
-        headers[i].msg_hdr.msg_iovlen = 1;
-        headers[i].msg_hdr.msg_control = controls[i].octets.data();
-    }
-}
-
 Result<std::unique_ptr<SocketCanController>, std::string> SocketCanController::open(
     std::string interface) {
     const std::string prefix = "socketcan:" + interface + ": ";
@@ -128,14 +97,13 @@ Result<std::unique_ptr<SocketCanController>, std::string> SocketCanController::o
         !controller->own_signal_.is_open()) {
         return Failure{prefix + "no more file descriptors for a controller"};
     }
-    if (const int error = controller->open_socket(); error != 0) {
+    if (const int error = controller->open_sockets(); error != 0) {
         return Failure{prefix + why_no_socket(error)};
     }
     controller->follow_interface();
     // How it begins is asked for, not told.
     controller->told_state_ = controller->status_.state;
     controller->own_events_.clear();
-    controller->signalled_ = false;
     controller->own_signal_.clear();
     return controller;
 }
@@ -151,40 +119,28 @@ SocketCanController::SocketCanController(std::string name, InterfaceMonitor moni
     watch(epoll_, own_signal_.fd());
 }
 
-int SocketCanController::open_socket() {
-    Descriptor socket{::socket(PF_CAN, SOCK_RAW | SOCK_CLOEXEC | SOCK_NONBLOCK, CAN_RAW)};
-    if (!socket.is_open()) return errno;
-    socket_ = std::move(socket);
-    dropped_ = 0;
-    const int on = 1;
-    // Without these two a time stamp is the moment of reading, and losses go unseen; nothing that
-    // a kernel with CAN_RAW lacks.
-    const int stamps = SOF_TIMESTAMPING_RX_HARDWARE | SOF_TIMESTAMPING_RAW_HARDWARE |
-                       SOF_TIMESTAMPING_RX_SOFTWARE | SOF_TIMESTAMPING_SOFTWARE;
-    set_option(socket_, SOL_SOCKET, SO_TIMESTAMPING, stamps);
-    set_option(socket_, SOL_SOCKET, SO_RXQ_OVFL, on);
-    // With CAP_NET_ADMIN all of it; else as much as is allowed.
-    if (set_option(socket_, SOL_SOCKET, SO_RCVBUFFORCE, receive_buffer) != 0) {
-        set_option(socket_, SOL_SOCKET, SO_RCVBUF, receive_buffer);
-    }
-    sockaddr_can address{};
-    address.can_family = AF_CAN;
+int SocketCanController::open_sockets() {
+    const int error = try_to_open_sockets();
+    if (error != 0) close_sockets();
+    return error;
+}
+
+int SocketCanController::try_to_open_sockets() {
     bound_to_ = monitor_.status().index;
-    address.can_ifindex = bound_to_;
-    confirms_ = monitor_.status().echoes;
-    int error = set_option(socket_, SOL_CAN_RAW, CAN_RAW_RECV_OWN_MSGS, confirms_ ? 1 : 0);
-    if (error == 0) error = set_option(socket_, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, wanted_errors);
-    if (error == 0) error = apply_filters();
-    if (error == 0 &&
-        ::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-        error = errno;
-    }
-    if (error != 0) {
-        socket_.reset();
-        return error;
-    }
-    watch(epoll_, socket_.get());
+    echoes_ = monitor_.status().echoes;
+    sent_ids_.clear();
+    if (const int error = socket_.open(bound_to_); error != 0) return error;
+    if (const int error = watcher_.open(bound_to_); error != 0) return error;
+    if (const int error = watcher_.set_error_filter(wanted_errors); error != 0) return error;
+    apply_filters();
+    watch(epoll_, socket_.fd());
+    watch(epoll_, watcher_.fd());
     return 0;
+}
+
+void SocketCanController::close_sockets() {
+    socket_.close();
+    watcher_.close();
 }
 
 // ---- sending
@@ -207,30 +163,24 @@ SendResult SocketCanController::send(const Frame& frame, SendOptions options) {
     }
     if (status_.state == ControllerState::stopped) return SendError::stopped;
     if (status_.state == ControllerState::bus_off) return SendError::bus_off;
-    if (in_flight_.size() + results_ >= mailboxes) return SendError::full;
+    if (in_flight_.size() >= mailboxes) return SendError::full;
     const can_frame out = to_socketcan(frame);
-    if (confirms_) expect_own(out.can_id);
-    if (::write(socket_.get(), &out, sizeof out) != sizeof out) {
-        const int error = errno;
-        if (error != ENETDOWN && error != ENODEV && error != ENXIO) {
-            // ENOBUFS: the interface's transmit queue is full, with other programs' frames perhaps.
-            wait_for_room();
-            return SendError::full;
-        }
-        lose_socket(error);
+    if (echoes_) expect_echo(out.can_id);
+    const int error = socket_.send(out);
+    if (error == ENETDOWN || error == ENODEV || error == ENXIO) {
+        lose_interface(error);
         return SendError::stopped;
+    }
+    if (error != 0) {
+        // ENOBUFS: the interface's transmit queue is full, with other programs' frames perhaps.
+        wait_for_room();
+        return SendError::full;
     }
     const TransmitHandle handle{next_handle_++};
     const TimePoint now = monotonic_now();
-    if (confirms_) {
-        in_flight_.push_back({handle, out, now});
-        watch_in_flight();
-    } else {
-        own_events_.push_back(TransmitResult{handle, TransmitOutcome::sent, now});
-        ++results_;
-        // Unless losses behind the last frame are still to be looked for.
-        drained_ = !overflow_possible_;
-    }
+    if (!echoes_) return TransmitResult{handle, TransmitOutcome::sent, now};
+    in_flight_.push_back({handle, out, now});
+    watch_in_flight();
     return handle;
 }
 
@@ -252,7 +202,10 @@ void SocketCanController::on_timer() {
     if (::read(timer_.get(), &expirations, sizeof expirations) <= 0) return;
     waiting_for_room_ = false;
     watching_ = false;
-    if (!socket_.is_open()) follow_interface();
+    if (!socket_.is_open()) {
+        monitor_.refresh();
+        follow_interface();
+    }
     // Otherwise it may wait for an acknowledgement, however long.
     if (status_.state == ControllerState::error_active) {
         const TimePoint now = monotonic_now();
@@ -271,44 +224,32 @@ bool SocketCanController::set_filters(std::span<const Filter> filters) {
     const std::lock_guard lock{mutex_};
     if (filters.size() > filter_list) return false;
     filters_.assign(filters.begin(), filters.end());
-    sent_ids_.clear();
-    for (const InFlight& transmission : in_flight_) sent_ids_.push_back(transmission.frame.can_id);
-    apply_filters();
+    if (socket_.is_open()) apply_filters();
     return true;
 }
 
-int SocketCanController::apply_filters() {
-    if (!socket_.is_open()) return 0;
+void SocketCanController::apply_filters() const {
     std::vector<can_filter> list;
-    list.reserve(filters_.size() + sent_ids_.size());
+    list.reserve(filters_.size());
     for (const Filter& filter : filters_) list.push_back(to_socketcan(filter));
-    for (const std::uint32_t id : sent_ids_) {
-        const std::uint32_t bits = (id & CAN_EFF_FLAG) != 0 ? CAN_EFF_MASK : CAN_SFF_MASK;
-        list.push_back({id, bits | CAN_EFF_FLAG | CAN_RTR_FLAG});
-    }
-    // An empty list, which passes nothing, has no octets.
-    return ::setsockopt(socket_.get(), SOL_CAN_RAW, CAN_RAW_FILTER, list.data(),
-                        static_cast<socklen_t>(list.size() * sizeof(can_filter))) == 0
-               ? 0
-               : errno;
+    // It fails only for want of memory, as far as can be known here.
+    [[maybe_unused]] const int error = socket_.set_filters(list);
 }
 
-bool SocketCanController::passes(const Frame& frame) const {
-    return std::any_of(filters_.begin(), filters_.end(),
-                       [&](const Filter& filter) { return filter.accepts(frame); });
-}
-
-void SocketCanController::expect_own(std::uint32_t can_id) {
+void SocketCanController::expect_echo(std::uint32_t can_id) {
     if (std::find(sent_ids_.begin(), sent_ids_.end(), can_id) != sent_ids_.end()) return;
-    can_frame probe{};
-    probe.can_id = can_id;
-    if (passes(from_socketcan(probe))) return;
-    if (sent_ids_.size() >= max_sent_ids) {
+    if (sent_ids_.size() == max_sent_ids) {
         sent_ids_.clear();
         for (const InFlight& waiting : in_flight_) sent_ids_.push_back(waiting.frame.can_id);
     }
     sent_ids_.push_back(can_id);
-    apply_filters();
+    std::vector<can_filter> list;
+    list.reserve(sent_ids_.size());
+    for (const std::uint32_t id : sent_ids_) {
+        const std::uint32_t bits = (id & CAN_EFF_FLAG) != 0 ? CAN_EFF_MASK : CAN_SFF_MASK;
+        list.push_back({id, bits | CAN_EFF_FLAG | CAN_RTR_FLAG});
+    }
+    [[maybe_unused]] const int error = watcher_.set_filters(list);
 }
 
 // ---- receiving
@@ -319,141 +260,102 @@ std::optional<ControllerEvent> SocketCanController::poll() {
         if (!own_events_.empty()) {
             ControllerEvent event = own_events_.front();
             own_events_.pop_front();
-            if (std::holds_alternative<TransmitResult>(event)) --results_;
+            if (own_events_.empty()) own_signal_.clear();
             if (const auto* change = std::get_if<StateChanged>(&event)) {
                 told_state_ = change->status.state;
             }
-            if (own_events_.empty() && signalled_) {
-                signalled_ = false;
-                own_signal_.clear();
-            }
             return event;
         }
-        if (next_ < received_) {
-            if (auto event = understand(batch_.headers[next_], batch_.frames[next_])) return event;
-        } else if (drained_) {
+        // A confirmation before the reply that it made possible.
+        if (auto event = next_from_watcher()) return event;
+        if (!own_events_.empty()) continue;
+        if (auto event = next_from_socket()) return event;
+        if (!own_events_.empty()) continue;
+        if (drained_) {
             // What came since then keeps the descriptor readable: no need to ask again.
             drained_ = false;
             return std::nullopt;
-        } else {
-            receive();
         }
+        ask_kernel();
     }
 }
 
-void SocketCanController::receive() {
-    received_ = 0;
-    next_ = 0;
-    int count = -1;
-    if (socket_.is_open()) {
-        for (mmsghdr& header : batch_.headers) {
-            header.msg_hdr.msg_controllen = sizeof(Batch::Control);
-        }
-        do {
-            count = ::recvmmsg(socket_.get(), batch_.headers.data(), batch_size, 0, nullptr);
-        } while (count < 0 && errno == EINTR);
-        if (count < 0 && errno != EAGAIN) lose_socket(errno);
-    }
-    present_ = look_at_clocks();
-    if (count > 0) {
-        received_ = static_cast<std::size_t>(count);
-        overflow_possible_ = overflow_possible_ || received_ == batch_size;
+void SocketCanController::ask_kernel() {
+    const bool watcher_asked = socket_.is_open() && (!in_flight_.empty() || overflow_possible_);
+    if (watcher_asked) watcher_.receive();
+    const int error = socket_.is_open() ? socket_.receive() : EAGAIN;
+    if (error == 0) {
+        overflow_possible_ = overflow_possible_ || socket_.was_full();
         // To look once more tells of losses behind the last frame.
         drained_ = !overflow_possible_;
         return;
     }
+    if (error != EAGAIN) lose_interface(error);
     drained_ = true;
-    if (overflow_possible_) find_losses_at_end();
-    // No frame, so that it may be one of the others that woke the reader.
-    std::array<epoll_event, 4> ready{};
-    const int others = ::epoll_wait(epoll_.get(), ready.data(), ready.size(), 0);
-    for (int i = 0; i < others; ++i) {
-        if (ready[static_cast<std::size_t>(i)].data.fd == monitor_.fd()) follow_interface();
-        if (ready[static_cast<std::size_t>(i)].data.fd == timer_.get()) on_timer();
-    }
-}
-
-// The count of losses comes with the next frame, and there may be none.
-void SocketCanController::find_losses_at_end() {
-    overflow_possible_ = false;
-    std::array<std::uint32_t, SK_MEMINFO_VARS> memory{};
-    socklen_t size = sizeof memory;
-    if (socket_.is_open() &&
-        ::getsockopt(socket_.get(), SOL_SOCKET, SO_MEMINFO, memory.data(), &size) == 0) {
-        if (const auto lost = note_dropped(memory[SK_MEMINFO_DROPS])) tell(*lost);
-    }
-}
-
-std::optional<ControllerEvent> SocketCanController::understand(const mmsghdr& header,
-                                                               const can_frame& frame) {
-    const Stamps stamps = stamps_of(header.msg_hdr);
-    if (stamps.dropped) {
-        // The same frame is looked at again after that.
-        if (const auto lost = note_dropped(*stamps.dropped)) return *lost;
-    }
-    ++next_;
-    const TimePoint time = clock_.time_of(stamps.software, stamps.hardware, present_);
-    if ((frame.can_id & CAN_ERR_FLAG) != 0) {
-        take_error(frame, time);
-        return std::nullopt;
-    }
-    if ((header.msg_hdr.msg_flags & MSG_CONFIRM) != 0) return confirm(frame, time);
-    const Received received{from_socketcan(frame), time};
-    if (!sent_ids_.empty() && !passes(received.frame)) return std::nullopt;
-    return received;
-}
-
-SocketCanController::Stamps SocketCanController::stamps_of(const msghdr& message) {
-    Stamps stamps;
-    msghdr copy = message;  // CMSG_NXTHDR wants one that is not const
-    for (cmsghdr* control = CMSG_FIRSTHDR(&copy); control != nullptr;
-         control = CMSG_NXTHDR(&copy, control)) {
-        if (control->cmsg_level != SOL_SOCKET) continue;
-        if (control->cmsg_type == SO_TIMESTAMPING) {
-            scm_timestamping times{};
-            std::memcpy(&times, CMSG_DATA(control), sizeof times);
-            // Zero is "none".
-            if (const auto time = to_duration(times.ts[0]); time != Duration::zero()) {
-                stamps.software = time;
-            }
-            if (const auto time = to_duration(times.ts[2]); time != Duration::zero()) {
-                stamps.hardware = time;
-            }
-        } else if (control->cmsg_type == SO_RXQ_OVFL) {
-            std::uint32_t dropped = 0;
-            std::memcpy(&dropped, CMSG_DATA(control), sizeof dropped);
-            stamps.dropped = dropped;
+    if (overflow_possible_ && socket_.is_open()) {
+        overflow_possible_ = false;
+        if (const auto lost = socket_.find_losses(); lost > 0) {
+            tell(FramesLost{lost, monotonic_now()});
         }
     }
-    return stamps;
+    // No frame, so that it may be one of the others that woke the reader.
+    std::array<epoll_event, 5> ready{};
+    const int others = ::epoll_wait(epoll_.get(), ready.data(), ready.size(), 0);
+    for (int i = 0; i < others; ++i) {
+        const int fd = ready[static_cast<std::size_t>(i)].data.fd;
+        if (fd == timer_.get()) {
+            on_timer();
+        } else if (fd == monitor_.fd()) {
+            if (monitor_.update()) follow_interface();
+        } else if (fd == watcher_.fd() && !watcher_asked) {
+            const int trouble = watcher_.receive();
+            if (trouble != 0 && trouble != EAGAIN) lose_interface(trouble);
+        }
+    }
 }
 
-std::optional<FramesLost> SocketCanController::note_dropped(std::uint32_t dropped) {
-    const std::uint32_t more = dropped - dropped_;  // it wraps around
-    if (more == 0) return std::nullopt;
-    dropped_ = dropped;
-    return FramesLost{more, present_.now};
+std::optional<ControllerEvent> SocketCanController::next_from_watcher() {
+    while (const auto arrival = watcher_.next()) {
+        if ((arrival->frame.can_id & CAN_ERR_FLAG) != 0) {
+            take_error(arrival->frame);
+            if (!own_events_.empty()) return std::nullopt;
+        } else if (auto result = confirm(*arrival)) {
+            return result;
+        }
+    }
+    return std::nullopt;
 }
 
-std::optional<ControllerEvent> SocketCanController::confirm(const can_frame& frame,
-                                                            TimePoint time) {
+std::optional<ControllerEvent> SocketCanController::next_from_socket() {
+    const auto arrival = socket_.next();
+    if (!arrival) return std::nullopt;
+    const Received received{from_socketcan(arrival->frame), arrival->time};
+    if (arrival->lost_before == 0) return received;
+    tell(FramesLost{arrival->lost_before, arrival->time});
+    tell(received);
+    return std::nullopt;
+}
+
+std::optional<ControllerEvent> SocketCanController::confirm(const CanSocket::Arrival& arrival) {
+    if (!arrival.from_this_host) return std::nullopt;
     // By its content: a queueing discipline may have changed the order.
     const auto found = std::find_if(
         in_flight_.begin(), in_flight_.end(),
-        [&](const InFlight& transmission) { return is_same(transmission.frame, frame); });
+        [&](const InFlight& transmission) { return is_same(transmission.frame, arrival.frame); });
     if (found == in_flight_.end()) return std::nullopt;
-    const TransmitResult result{found->handle, TransmitOutcome::sent, time};
+    const TransmitResult result{found->handle, TransmitOutcome::sent, arrival.time};
     in_flight_.erase(found);
     return result;
 }
 
-void SocketCanController::take_error(const can_frame& frame, TimePoint time) {
+void SocketCanController::take_error(const can_frame& frame) {
     const ErrorReport report = parse_error(frame);
-    if (report.receive_overflow) tell(FramesLost{1, time});
+    if (report.receive_overflow) tell(FramesLost{1, monotonic_now()});
     if (report.transmit_timeout) fail_in_flight();
     if (status_.state == ControllerState::stopped) return;  // it came before that
     if (status_.state == ControllerState::bus_off && report.state && monitor_.status().errors) {
         monitor_.refresh();  // it is back when the interface is running again
+        follow_interface();
         return;
     }
     ErrorStatus status = status_;
@@ -466,15 +368,15 @@ void SocketCanController::take_error(const can_frame& frame, TimePoint time) {
 // ---- the interface
 
 void SocketCanController::follow_interface() {
-    monitor_.update();
     const InterfaceStatus& interface = monitor_.status();
-    if (!interface.up || interface.index != bound_to_) {
+    const bool replaced = interface.index != bound_to_;
+    if (!interface.up || replaced) {
         enter_state({.state = ControllerState::stopped});
-        if (interface.removed || interface.index != bound_to_) socket_.reset();
+        if (interface.removed || replaced) close_sockets();
     }
     carrier_lost_ = interface.up && !interface.running && (carrier_lost_ || !interface.carrier);
     if (!interface.up) return;
-    if (!socket_.is_open() && open_socket() != 0) {
+    if (!socket_.is_open() && open_sockets() != 0) {
         set_timer(timer_, watch_interval);  // to try again
         return;
     }
@@ -484,19 +386,27 @@ void SocketCanController::follow_interface() {
     } else if (status.state == ControllerState::stopped) {
         status = ErrorStatus{};
     }
-    if (carrier_lost_ && status.state != ControllerState::bus_off) {
+    if (interface.listen_only) {
+        status = {.state = ControllerState::stopped};
+    } else if (carrier_lost_ && status.state != ControllerState::bus_off) {
         status.state = status_.state == ControllerState::bus_off ? ControllerState::bus_off
                                                                  : ControllerState::stopped;
     }
     enter_state(status);
 }
 
-void SocketCanController::lose_socket(int error) {
+void SocketCanController::lose_interface(int error) {
     enter_state({.state = ControllerState::stopped});
-    // One whose interface is only down stays bound to it.
-    if (error != ENETDOWN) socket_.reset();
+    // Sockets whose interface is only down stay bound to it. Both are told so.
+    if (error == ENETDOWN) {
+        socket_.forget_error();
+        watcher_.forget_error();
+    } else {
+        close_sockets();
+    }
     // It may be up again by now, and the news of that have been read.
     monitor_.refresh();
+    follow_interface();
 }
 
 void SocketCanController::enter_state(ErrorStatus status) {
@@ -519,8 +429,6 @@ void SocketCanController::fail_in_flight() {
 
 void SocketCanController::tell(const ControllerEvent& event) {
     own_events_.push_back(event);
-    if (std::holds_alternative<TransmitResult>(event)) ++results_;
-    signalled_ = true;
     own_signal_.raise();
 }
 
@@ -543,11 +451,13 @@ std::optional<std::string> SocketCanController::recover() {
     }
     if (interface.restarts_itself) return std::nullopt;
     const int error = restart_interface(interface.index);
-    // EBUSY: it is not bus-off any more, and the answer to this tells.
+    // EBUSY: it is not bus-off any more; EINVAL: it restarts by itself now.
     monitor_.refresh();
-    if (error == 0 || error == EBUSY) return std::nullopt;
-    return name_ + " cannot be restarted (" + error_text(error) + "): it takes CAP_NET_ADMIN, or " +
-           by_hand();
+    follow_interface();
+    if (error == 0 || error == EBUSY || error == EINVAL) return std::nullopt;
+    const std::string failure = name_ + " cannot be restarted (" + error_text(error) + ")";
+    if (error != EPERM) return failure;
+    return failure + ": it takes CAP_NET_ADMIN, or " + by_hand();
 }
 
 std::string SocketCanController::by_hand() const {
@@ -562,6 +472,7 @@ std::string SocketCanController::explanation() const {
         case ControllerState::stopped:
             if (interface.removed) return "there is no interface " + name_ + " any more";
             if (!interface.up) return name_ + " is down: ip link set " + name_ + " up";
+            if (interface.listen_only) return name_ + " is in listen-only mode";
             if (carrier_lost_) return name_ + " has no carrier: is its other end up?";
             return {};
         case ControllerState::bus_off:

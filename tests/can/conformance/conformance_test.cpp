@@ -68,6 +68,10 @@ class Conformance : public testing::TestWithParam<LinkKind> {
 
     TransmitHandle send(Station& from, const Frame& frame, SendOptions options = {}) {
         const SendResult result = from->send(frame, options);
+        if (const auto* sent = std::get_if<TransmitResult>(&result)) {
+            from.results.push_back(*sent);
+            return sent->handle;
+        }
         const auto* handle = std::get_if<TransmitHandle>(&result);
         EXPECT_NE(handle, nullptr)
             << "send() refused: " << static_cast<int>(std::get<SendError>(result));
@@ -329,6 +333,7 @@ TEST_P(Conformance, IsFullWhenAllMailboxesAreTaken) {
     Station& sender = station();  // alone: nothing goes out
     const std::size_t mailboxes = sender->capabilities().mailboxes;
     for (std::size_t i = 0; i < mailboxes; ++i) send(sender, data_frame(0x100));
+    if (!sender.results.empty()) GTEST_SKIP() << "on this link each frame is sent at once";
     EXPECT_EQ(sender->send(data_frame(0x001)), SendResult{SendError::full});
     Station& receiver = station();
     ASSERT_TRUE(until([&] { return sender.results.size() == mailboxes; }));
@@ -465,13 +470,17 @@ TEST_P(Conformance, CountsTheFramesThatItLoses) {
     std::size_t sent = 0;
     std::array<Controller*, 1> only_sender{&*sender};
     while (sender.results.size() < total) {
-        while (sent < total &&
-               std::holds_alternative<TransmitHandle>(sender->send(data_frame(0x100)))) {
+        while (sent < total) {
+            const SendResult result = sender->send(data_frame(0x100));
+            if (std::holds_alternative<SendError>(result)) break;
             ++sent;
+            if (const auto* known = std::get_if<TransmitResult>(&result)) {
+                sender.results.push_back(*known);
+            }
         }
         const std::size_t before = sender.results.size();
         sender.drain();
-        if (sender.results.size() == before) {
+        if (sender.results.size() == before && before < total) {
             ASSERT_TRUE(bus_->wait(only_sender));
         }
     }
@@ -518,7 +527,7 @@ TEST_P(Conformance, ThreadsMaySendAtOnce) {
     const auto send_all = [&](std::uint32_t id) {
         for (std::size_t sent = 0; sent < per_thread;) {
             const SendResult result = sender->send(data_frame(id));
-            if (std::holds_alternative<TransmitHandle>(result)) {
+            if (!std::holds_alternative<SendError>(result)) {
                 ++sent;
             } else {
                 std::this_thread::yield();  // the main thread frees mailboxes
