@@ -161,6 +161,7 @@ class Node {
     static OrbOptions with_number(OrbOptions options, int number) {
         options.node = number;
         if (options.default_timeout == OrbOptions{}.default_timeout) options.default_timeout = 20s;
+        options.inter_frame_timeout = 20s;  // a loaded machine may stop a thread for long
         options.log = [](std::string_view) {};
         return options;
     }

@@ -62,6 +62,7 @@ int main(int argc, char** argv) {
         canorb::OrbOptions options;
         options.node = canorb::parse_node_id(arguments[1]);
         options.default_timeout = std::chrono::seconds{10};
+        options.inter_frame_timeout = options.default_timeout;  // however loaded the machine is
         canorb::Orb orb{*bus, options};
         if (arguments[2] == "serve") {
             serve(orb,
