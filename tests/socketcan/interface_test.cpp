@@ -150,6 +150,56 @@ TEST_F(Interface, IsDownAtFirst) {
               std::vector<std::uint8_t>{1});
 }
 
+// The kernel drops its news of interfaces when there are too many for who does not read them.
+TEST_F(Interface, IsUpAgainAfterMoreNewsThanTheKernelKeeps) {
+    ip("link add vcan8 type vcan");
+    {
+        const std::unique_ptr<Bus> bus = open_bus(address);
+        OrbOptions options;
+        options.node = 5;
+        options.log = [](std::string_view) {};
+        Orb orb{*bus, options};
+        orb.poll();
+        EXPECT_EQ(orb.error_status().state, ControllerState::error_active);
+
+        set_up(interface, false);
+        for (int i = 0; i < 400; ++i) {
+            set_up("vcan8", true);
+            set_up("vcan8", false);
+        }
+        set_up(interface, true);
+
+        RawSocket observer{interface};
+        observer.accept_only(0b0'00101'00101);  // to group 5 from node 5
+        // The first ones may still be lost: it is not known that it was down.
+        EXPECT_TRUE(wait_until([&] {
+            orb.poll();
+            if (orb.error_status().state != ControllerState::error_active) return false;
+            try {
+                orb.group_reference(GroupId{5}).invoke(7, {});
+            } catch (const COMM_FAILURE&) {
+                return false;
+            }
+            return observer.receive_within(1ms).has_value();
+        }));
+        EXPECT_TRUE(orb.run_for(20ms));
+        EXPECT_EQ(orb.error_status().state, ControllerState::error_active);
+
+        // And it knows of what comes later.
+        set_up(interface, false);
+        EXPECT_TRUE(wait_until([&] {
+            orb.poll();
+            return orb.error_status().state == ControllerState::stopped;
+        }));
+        set_up(interface, true);
+        EXPECT_TRUE(wait_until([&] {
+            orb.poll();
+            return orb.error_status().state == ControllerState::error_active;
+        }));
+    }
+    ip("link delete vcan8");
+}
+
 TEST_F(Interface, OfARealDriverGoesDownInACall) {
     const std::optional<Interfaces> pair = can_pair();
     if (!pair) GTEST_SKIP() << "CANORB_TEST_CAN_PAIR names no interfaces";

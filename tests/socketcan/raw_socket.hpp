@@ -14,6 +14,7 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <thread>
 
 #include "orb/base/bytes.hpp"
 
@@ -43,8 +44,12 @@ class RawSocket {
               "CAN_RAW_FILTER");
     }
 
+    /// Blocks while the interface's queue is full.
     void send(const can_frame& frame) {
-        if (::write(fd_, &frame, sizeof frame) != sizeof frame) throw failure("write");
+        while (::write(fd_, &frame, sizeof frame) != sizeof frame) {
+            if (errno != ENOBUFS) throw failure("write");
+            std::this_thread::sleep_for(std::chrono::microseconds{200});
+        }
     }
     void send(std::uint32_t id, Bytes data) {
         can_frame frame{};
