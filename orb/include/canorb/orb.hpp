@@ -170,8 +170,8 @@ class Orb {
     Counters counters() const;
     can::ErrorStatus error_status() const;
     can::Capabilities link_capabilities() const;
-    /// Asks the controller to leave bus-off, or a link that is down to come up again; an event tells
-    /// when it has. Throws NO_PERMISSION where this program may not ask; what() says who may.
+    /// Asks the controller to leave bus-off, or a link that is down to come up again; an event
+    /// tells when it has. Throws NO_PERMISSION where this program may not ask; what() says who may.
     void recover();
 
   private:
