@@ -141,8 +141,9 @@ int main(int argc, char** argv) {
     tank::set_up(app);
     Options options;
     canorb::Duration seconds{};
-    auto* const bus =
-        app.add_option("--bus", options.bus, "The bus to run on, live")->capture_default_str();
+    auto* const bus = app.add_option("--bus", options.bus,
+                                     "The bus to run on, live: sim:PATH, socketcan:IFNAME, ...")
+                          ->capture_default_str();
     auto* const limited = tank::add_parsed_option(app, "--seconds", seconds, tank::parse_seconds,
                                                   "Stop after so long");
     auto* const on_virtual_clock =

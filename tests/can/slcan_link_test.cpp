@@ -539,7 +539,7 @@ TEST_F(SlcanLinkTest, IsStoppedWhenTheAdapterAnswersNoMore) {
     expect_received(standard(0x123));
     expect_state(ControllerState::stopped);
     EXPECT_EQ(controller_->explanation(),
-              "the adapter at " + line_->device() + " does not answer any more");
+              "the adapter at " + line_->device() + " does not answer any more; it is tried again");
     expect_result(handle, TransmitOutcome::failed);
     // It is asked again.
     std::thread adapter{[&] { greet(); }};
@@ -722,7 +722,7 @@ TEST_F(SlcanLinkTest, SaysThatNothingAnswers) {
               }),
               "nothing at " + line_->device() +
                   " answers like a LAWICEL adapter: is it another port, or another baud=? A peer "
-                  "that never answers takes answers=no");
+                  "that does not answer as an adapter does takes answers=no");
 }
 
 }  // namespace

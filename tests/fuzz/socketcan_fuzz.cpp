@@ -21,7 +21,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         }
     }
     can_frame frame{};
-    std::memcpy(&frame, data, std::min(size, sizeof frame));
+    if (size > 0) std::memcpy(&frame, data, std::min(size, sizeof frame));
     const ErrorReport report = parse_error(frame);
     if (report.state == ControllerState::stopped) std::abort();
     const Frame received = from_socketcan(frame);

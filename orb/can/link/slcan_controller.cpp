@@ -401,12 +401,14 @@ void SlcanController::check_answer(TimePoint now) {
     if (awaited_ == Command::none || now < answer_by_) return;
     if (awaited_ == Command::settling) return next_setup(Command::bitrate);
     if (awaited_ != Command::greeting) {
-        return lose("the adapter at " + address_.device + " does not answer any more", now);
+        return lose(
+            "the adapter at " + address_.device + " does not answer any more; it is tried again",
+            now);
     }
     if (greetings_left_ > 0) return next_setup(Command::greeting);
     lose("nothing at " + address_.device +
              " answers like a LAWICEL adapter: is it another port, or another baud=? A peer "
-             "that never answers takes answers=no",
+             "that does not answer as an adapter does takes answers=no",
          now);
 }
 

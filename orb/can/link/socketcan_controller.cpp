@@ -53,7 +53,7 @@ std::string why_no_socket(int error) {
     switch (error) {
         case EAFNOSUPPORT:
             return "this kernel has no CAN; load it with: modprobe can-raw; without a CAN kernel "
-                   "there are sim:PATH (canorb-bus) and slcan:TTY";
+                   "there are sim:PATH (canorb-bus) and slcan:DEVICE";
         case EPROTONOSUPPORT:
             return "this kernel has no raw CAN sockets; load them with: modprobe can-raw";
         case EPERM:
@@ -470,8 +470,13 @@ std::string SocketCanController::explanation() const {
     const InterfaceStatus& interface = monitor_.status();
     switch (status_.state) {
         case ControllerState::stopped:
-            if (interface.removed) return "there is no interface " + name_ + " any more";
-            if (!interface.up) return name_ + " is down: ip link set " + name_ + " up";
+            if (interface.removed) {
+                return "there is no interface " + name_ +
+                       " any more; as soon as there is one, this node goes on";
+            }
+            if (!interface.up) {
+                return name_ + " is down: ip link set " + name_ + " up, and this node goes on";
+            }
             if (interface.listen_only) return name_ + " is in listen-only mode";
             if (carrier_lost_) return name_ + " has no carrier: is its other end up?";
             return {};
