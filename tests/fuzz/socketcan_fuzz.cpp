@@ -16,7 +16,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         if (const auto* status = std::get_if<InterfaceStatus>(&message)) {
             if (status->removed && status->up) std::abort();
             if (status->name.find('\0') != std::string::npos) std::abort();
-        } else if (std::get<NetlinkAnswer>(message).error < -4095) {
+        } else if (const int error = std::get<NetlinkAnswer>(message).error;
+                   error < 0 || error > 4095) {
             std::abort();
         }
     }

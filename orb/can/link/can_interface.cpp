@@ -188,8 +188,8 @@ std::vector<NetlinkMessage> parse_netlink(Bytes datagram) {
         const Bytes content = behind(datagram.first(header->nlmsg_len), sizeof(nlmsghdr));
         if (header->nlmsg_type == NLMSG_ERROR) {
             if (const auto error = leading<std::int32_t>(content)) {
-                // A negative errno; the most negative number has no positive one.
-                messages.emplace_back(NetlinkAnswer{-std::max(*error, -4095)});
+                // A negative errno, or 0; anything else is none.
+                messages.emplace_back(NetlinkAnswer{-std::clamp(*error, -4095, 0)});
             }
         } else if (header->nlmsg_type == RTM_NEWLINK || header->nlmsg_type == RTM_DELLINK) {
             if (auto status = parse_interface(content, header->nlmsg_type == RTM_DELLINK)) {
