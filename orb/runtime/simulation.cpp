@@ -29,13 +29,13 @@ class Simulation::Impl::BusImpl final : public SimulatedBus {
     Simulation* simulation() override { return &simulation_; }
     void on_frame(FrameObserver observer) override { observers_.push_back(std::move(observer)); }
 
-    can::sim::FrameBus& frames() { return bus_; }
-    const can::sim::FrameBus& frames() const { return bus_; }
+    can::sim::Bus& frames() { return bus_; }
+    const can::sim::Bus& frames() const { return bus_; }
 
   private:
     Simulation& simulation_;
     SimulatedBusOptions options_;
-    can::sim::FrameBus bus_;
+    can::sim::Bus bus_;
     std::vector<FrameObserver> observers_;
 };
 
@@ -86,8 +86,8 @@ Simulation::Simulation() : impl_(std::make_unique<Impl>()) {}
 Simulation::~Simulation() = default;
 
 SimulatedBus& Simulation::add_bus(const SimulatedBusOptions& options) {
-    constexpr auto lowest = can::sim::FrameBus::lowest_bitrate;
-    constexpr auto highest = can::sim::FrameBus::highest_bitrate;
+    constexpr auto lowest = can::sim::Bus::lowest_bitrate;
+    constexpr auto highest = can::sim::Bus::highest_bitrate;
     if (options.bitrate < lowest || options.bitrate > highest) {
         throw BAD_PARAM("a bit rate of " + std::to_string(options.bitrate) + " bit/s is not " +
                         std::to_string(lowest) + " to " + std::to_string(highest));

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "canorb/simulation.hpp"
-#include "orb/can/sim/frame_bus.hpp"
+#include "orb/can/sim/bus.hpp"
 #include "orb/runtime/timers.hpp"
 
 namespace canorb::runtime {

@@ -9,7 +9,7 @@
 #include "orb/can/link/link.hpp"
 #include "orb/can/link/serial_port.hpp"
 #include "orb/can/link/slcan_protocol.hpp"
-#include "orb/can/sim/frame_bus.hpp"
+#include "orb/can/sim/bus.hpp"
 
 namespace canorb::can {
 namespace {
@@ -138,11 +138,11 @@ Result<std::uint32_t, std::string> parse_bitrate(std::string_view text) {
     std::uint32_t value = 0;
     const char* const end = text.data() + text.size();
     const auto [stop, error] = std::from_chars(text.data(), end, value);
-    if (error != std::errc{} || stop != end || value < sim::FrameBus::lowest_bitrate ||
-        value > sim::FrameBus::highest_bitrate) {
+    if (error != std::errc{} || stop != end || value < sim::Bus::lowest_bitrate ||
+        value > sim::Bus::highest_bitrate) {
         return Failure{quoted(text) + " is not a bit rate: a number from " +
-                       std::to_string(sim::FrameBus::lowest_bitrate) + " to " +
-                       std::to_string(sim::FrameBus::highest_bitrate) + " (bit/s)"};
+                       std::to_string(sim::Bus::lowest_bitrate) + " to " +
+                       std::to_string(sim::Bus::highest_bitrate) + " (bit/s)"};
     }
     return value;
 }

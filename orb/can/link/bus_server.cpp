@@ -405,7 +405,7 @@ class BusServer::Server {
     BusServerOptions options_;
     Descriptor listener_;
     std::optional<FileIdentity> socket_file_;
-    sim::FrameBus bus_;
+    sim::Bus bus_;
     Signal stop_;
     std::vector<std::unique_ptr<Client>> clients_;
     std::vector<Request> requests_;  ///< of this turn

@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "orb/base/result.hpp"
-#include "orb/can/sim/frame_bus.hpp"
+#include "orb/can/sim/bus.hpp"
 
 namespace canorb::can {
 

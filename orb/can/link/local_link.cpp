@@ -9,7 +9,7 @@
 #include "orb/can/link/descriptor.hpp"
 #include "orb/can/link/sharp_timers.hpp"
 #include "orb/can/sim/controller.hpp"
-#include "orb/can/sim/frame_bus.hpp"
+#include "orb/can/sim/bus.hpp"
 
 namespace canorb::can {
 namespace {
@@ -51,7 +51,7 @@ class LocalBus {
         Present(const Present&) = delete;
         Present& operator=(const Present&) = delete;
 
-        sim::FrameBus& bus() const { return owner_.bus_; }
+        sim::Bus& bus() const { return owner_.bus_; }
 
       private:
         LocalBus& owner_;
@@ -68,7 +68,7 @@ class LocalBus {
 
     std::mutex mutex_;
     std::condition_variable changed_;
-    sim::FrameBus bus_;
+    sim::Bus bus_;
     std::vector<LocalController*> controllers_;
     TimePoint wake_at_ = never;
     bool stopping_ = false;

@@ -9,7 +9,7 @@
 
 namespace canorb::can {
 
-/// A bus inside this process: a FrameBus on the machine's clock, moved by a thread of its own.
+/// A bus inside this process: a Bus on the machine's clock, moved by a thread of its own.
 /// Everyone who opens the same name while somebody still uses it shares the bus. A bit rate that
 /// differs from that of a running bus is an error.
 Result<std::unique_ptr<Link>, std::string> open_local_link(const LocalAddress& address);

@@ -2,7 +2,7 @@
 
 namespace canorb::can::sim {
 
-Controller::Controller(FrameBus& bus, const NodeOptions& options)
+Controller::Controller(Bus& bus, const NodeOptions& options)
     : bus_(bus), node_(bus.attach(options)) {}
 
 Controller::~Controller() {

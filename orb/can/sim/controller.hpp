@@ -1,15 +1,15 @@
 #pragma once
 
 #include "orb/can/controller.hpp"
-#include "orb/can/sim/frame_bus.hpp"
+#include "orb/can/sim/bus.hpp"
 
 namespace canorb::can::sim {
 
-/// A controller on a FrameBus, for one thread: the one that advances the bus. It acts at the bus's
+/// A controller on a Bus, for one thread: the one that advances the bus. It acts at the bus's
 /// now() and has no event_fd(). The bus must outlive it.
 class Controller : public can::Controller {
   public:
-    explicit Controller(FrameBus& bus, const NodeOptions& options = {});
+    explicit Controller(Bus& bus, const NodeOptions& options = {});
     ~Controller() override;
 
     Capabilities capabilities() const override;
@@ -28,7 +28,7 @@ class Controller : public can::Controller {
     NodeIndex node() const { return node_; }
 
   private:
-    FrameBus& bus_;
+    Bus& bus_;
     NodeIndex node_;
     std::uint64_t next_handle_ = 1;
 };

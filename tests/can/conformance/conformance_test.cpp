@@ -252,7 +252,7 @@ TEST_P(WaitingFrames, FramesOccupyTheBusForTheirExactLength) {
 TEST_P(Conformance, ArbitratesBetweenNodes) {
     if (!GetParam().keeps_to_clock) {
         GTEST_SKIP() << "frames cannot be made to wait for each other on this link; the tests of "
-                        "FrameBus cover it";
+                        "Bus cover it";
     }
     open(10'000);  // a frame takes 10 ms and more: time enough to send others meanwhile
     Station& first = station();

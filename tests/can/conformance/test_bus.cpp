@@ -15,7 +15,7 @@
 #include "orb/can/link/bus_server.hpp"
 #include "orb/can/link/link.hpp"
 #include "orb/can/sim/controller.hpp"
-#include "orb/can/sim/frame_bus.hpp"
+#include "orb/can/sim/bus.hpp"
 #include "tests/can/slcan_adapter.hpp"
 #include "tests/can/temporary_directory.hpp"
 
@@ -34,7 +34,7 @@ class VirtualBus final : public TestBus {
     bool wait(std::span<Controller* const>) override { return bus_.advance_one(); }
 
   private:
-    sim::FrameBus bus_;
+    sim::Bus bus_;
 };
 
 /// A bus that goes on by itself and wakes through event_fd().

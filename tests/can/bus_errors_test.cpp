@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/can/frame_bus_fixture.hpp"
+#include "tests/can/bus_fixture.hpp"
 
 namespace canorb::can::sim::test {
 namespace {
@@ -17,7 +17,7 @@ std::vector<ControllerState> states_of(TestNode& node) {
 }
 
 TEST(LoneNode, BecomesErrorPassiveAfterSixteenAttemptsAndThenTheBusIsQuiet) {
-    FrameBus bus{500'000};
+    Bus bus{500'000};
     TestNode node{bus};
     node.must_send(standard(0x555));  // 48 bits
     // To the end of the ACK slot 37, error flag 6, delimiter 8: 51, and 3 of intermission.
@@ -32,7 +32,7 @@ TEST(LoneNode, BecomesErrorPassiveAfterSixteenAttemptsAndThenTheBusIsQuiet) {
 }
 
 TEST(LoneNode, SendsFromTheMomentThatSomebodyAcknowledges) {
-    FrameBus bus{500'000};
+    Bus bus{500'000};
     TestNode node{bus};
     node.must_send(standard(0x555));
     bus.advance(at(1s));
@@ -44,7 +44,7 @@ TEST(LoneNode, SendsFromTheMomentThatSomebodyAcknowledges) {
 }
 
 TEST(LoneNode, AnAbortEndsItsAttempts) {
-    FrameBus bus{500'000};
+    Bus bus{500'000};
     TestNode node{bus};
     const TransmitHandle handle = node.must_send(standard(0x555));
     bus.advance(at(bits(10)));
@@ -58,7 +58,7 @@ TEST(LoneNode, AnAbortEndsItsAttempts) {
 }
 
 TEST(LoneNode, AOneShotFrameIsTriedOnceEvenWhenErrorPassive) {
-    FrameBus bus{500'000};
+    Bus bus{500'000};
     TestNode node{bus};
     node.must_send(standard(0x555));
     run_until_quiet(bus);
@@ -71,7 +71,7 @@ TEST(LoneNode, AOneShotFrameIsTriedOnceEvenWhenErrorPassive) {
 }
 
 TEST(LoneNode, TwoSendersOfTheSameFrameDoNotAcknowledgeEachOther) {
-    FrameBus bus{500'000};
+    Bus bus{500'000};
     TestNode first{bus};
     TestNode second{bus};
     first.must_send(standard(0x100));
@@ -82,7 +82,7 @@ TEST(LoneNode, TwoSendersOfTheSameFrameDoNotAcknowledgeEachOther) {
 }
 
 TEST(OneShot, FailsWhenItLosesTheArbitration) {
-    FrameBus bus{500'000};
+    Bus bus{500'000};
     TestNode loser{bus};
     TestNode winner{bus};
     loser.must_send(standard(0x200), {.one_shot = true});
@@ -95,7 +95,7 @@ TEST(OneShot, FailsWhenItLosesTheArbitration) {
 }
 
 TEST(OneShot, MayWaitForABusyBus) {
-    FrameBus bus{500'000};
+    Bus bus{500'000};
     TestNode sender{bus};
     TestNode other{bus};
     other.must_send(standard(0x100));
@@ -108,7 +108,7 @@ TEST(OneShot, MayWaitForABusyBus) {
 // The CAN rules, attempt by attempt: while the sender of the recessive bit is error active it
 // destroys the frame for both. At TEC 128 its flag is silent and the dominant frame passes.
 TEST(Collision, OfOneIdentifierWithDifferentDataCostsSixteenAttempts) {
-    FrameBus bus{500'000};
+    Bus bus{500'000};
     TestNode dominant{bus};
     TestNode recessive{bus};
     TestNode receiver{bus};
@@ -133,7 +133,7 @@ TEST(Collision, OfOneIdentifierWithDifferentDataCostsSixteenAttempts) {
 }
 
 TEST(Collision, ADestroyedAttemptEndsWithItsErrorFrame) {
-    FrameBus bus{500'000};
+    Bus bus{500'000};
     TestNode first{bus};
     TestNode second{bus};
     // 0 10101010101 000 0001: the DLC's last bit is the first to differ from that of no data.
@@ -146,7 +146,7 @@ TEST(Collision, ADestroyedAttemptEndsWithItsErrorFrame) {
 }
 
 TEST(Collision, OneShotFramesFailAtOnce) {
-    FrameBus bus{500'000};
+    Bus bus{500'000};
     TestNode first{bus};
     TestNode second{bus};
     first.must_send(standard(0x100, "00"), {.one_shot = true});
@@ -174,7 +174,7 @@ class BusOff : public testing::Test {
         went_off_ = bus_.now();
     }
 
-    FrameBus bus_{500'000};
+    Bus bus_{500'000};
     TestNode rival_{bus_};
     TestNode victim_{bus_};
     TestNode receiver_{bus_};
@@ -229,7 +229,7 @@ TEST_F(BusOff, ALinkMayReportLateRefusals) {
 }
 
 TEST(BusOffAndLone, ABusOffNodeDoesNotAcknowledge) {
-    FrameBus bus{500'000};
+    Bus bus{500'000};
     TestNode sender{bus};
     TestNode off{bus};
     {

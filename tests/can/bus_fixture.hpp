@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "orb/can/sim/controller.hpp"
-#include "orb/can/sim/frame_bus.hpp"
+#include "orb/can/sim/bus.hpp"
 #include "tests/support/octets.hpp"
 
 namespace canorb::can::sim::test {
@@ -24,7 +24,7 @@ inline Frame standard(std::uint32_t id, std::string_view data = "") {
 /// A node that accepts everything.
 class TestNode : public Controller {
   public:
-    explicit TestNode(FrameBus& bus, const NodeOptions& options = {}) : Controller(bus, options) {
+    explicit TestNode(Bus& bus, const NodeOptions& options = {}) : Controller(bus, options) {
         EXPECT_TRUE(set_filters(everything));
     }
 
@@ -67,7 +67,7 @@ inline Duration bits(std::int64_t count) {
     return count * 2us;
 }
 
-inline void run_until_quiet(FrameBus& bus) {
+inline void run_until_quiet(Bus& bus) {
     while (bus.advance_one()) {
     }
 }

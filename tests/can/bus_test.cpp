@@ -1,8 +1,8 @@
-#include "orb/can/sim/frame_bus.hpp"
+#include "orb/can/sim/bus.hpp"
 
 #include <gtest/gtest.h>
 
-#include "tests/can/frame_bus_fixture.hpp"
+#include "tests/can/bus_fixture.hpp"
 
 namespace canorb::can::sim::test {
 namespace {
@@ -15,8 +15,8 @@ constexpr std::int64_t length_555 = 48;
 constexpr std::int64_t length_123 = 81;
 constexpr std::int64_t length_000 = 127;
 
-TEST(FrameBus, AQuietBusHasNoEvent) {
-    FrameBus bus{500'000, at(7ms)};
+TEST(Bus, AQuietBusHasNoEvent) {
+    Bus bus{500'000, at(7ms)};
     TestNode node{bus};
     EXPECT_EQ(bus.next_event(), never);
     EXPECT_FALSE(bus.advance_one());
@@ -27,8 +27,8 @@ TEST(FrameBus, AQuietBusHasNoEvent) {
     EXPECT_EQ(bus.now(), at(9ms)) << "time does not go back";
 }
 
-TEST(FrameBus, AFrameBeginsAtOnceOnAnIdleBusAndEndsWithEof) {
-    FrameBus bus{500'000};
+TEST(Bus, AFrameBeginsAtOnceOnAnIdleBusAndEndsWithEof) {
+    Bus bus{500'000};
     TestNode sender{bus};
     TestNode receiver{bus};
     bus.advance(at(1ms));
@@ -49,8 +49,8 @@ TEST(FrameBus, AFrameBeginsAtOnceOnAnIdleBusAndEndsWithEof) {
     EXPECT_EQ(bus.next_event(), never);
 }
 
-TEST(FrameBus, TheNextFrameBeginsAfterTheIntermission) {
-    FrameBus bus{500'000};
+TEST(Bus, TheNextFrameBeginsAfterTheIntermission) {
+    Bus bus{500'000};
     TestNode sender{bus};
     TestNode receiver{bus};
     sender.must_send(standard(0x555));
@@ -61,8 +61,8 @@ TEST(FrameBus, TheNextFrameBeginsAfterTheIntermission) {
     EXPECT_EQ(bus.next_event(), at(bits(2 * length_555 - 3)));
 }
 
-TEST(FrameBus, AFrameSubmittedWhileTheBusIsBusyWaits) {
-    FrameBus bus{500'000};
+TEST(Bus, AFrameSubmittedWhileTheBusIsBusyWaits) {
+    Bus bus{500'000};
     TestNode first{bus};
     TestNode second{bus};
     first.must_send(standard(0x7EF));
@@ -74,8 +74,8 @@ TEST(FrameBus, AFrameSubmittedWhileTheBusIsBusyWaits) {
     EXPECT_GT(first.received[0].time, second.received[0].time);
 }
 
-TEST(FrameBus, NodesThatSubmitAtTheSameMomentArbitrate) {
-    FrameBus bus{500'000};
+TEST(Bus, NodesThatSubmitAtTheSameMomentArbitrate) {
+    Bus bus{500'000};
     TestNode first{bus};
     TestNode second{bus};
     TestNode receiver{bus};
@@ -86,8 +86,8 @@ TEST(FrameBus, NodesThatSubmitAtTheSameMomentArbitrate) {
     EXPECT_EQ(receiver.received_ids(), (Ids{0x100, 0x200, 0x300}));
 }
 
-TEST(FrameBus, ALosersFrameCompetesAgain) {
-    FrameBus bus{500'000};
+TEST(Bus, ALosersFrameCompetesAgain) {
+    Bus bus{500'000};
     TestNode loser{bus};
     TestNode winner{bus};
     TestNode receiver{bus};
@@ -97,8 +97,8 @@ TEST(FrameBus, ALosersFrameCompetesAgain) {
     EXPECT_EQ(receiver.received_ids(), (Ids{0x100, 0x100, 0x100, 0x100, 0x100, 0x400}));
 }
 
-TEST(FrameBus, AReplySubmittedAtTheEndOfEofTakesPartInTheNextArbitration) {
-    FrameBus bus{500'000};
+TEST(Bus, AReplySubmittedAtTheEndOfEofTakesPartInTheNextArbitration) {
+    Bus bus{500'000};
     TestNode client{bus};
     TestNode server{bus};
     client.must_send(standard(0x555));
@@ -112,8 +112,8 @@ TEST(FrameBus, AReplySubmittedAtTheEndOfEofTakesPartInTheNextArbitration) {
     EXPECT_LT(client.received[0].time, server.received[1].time);
 }
 
-TEST(FrameBus, KeepsTheOrderWithinAnIdentifierOfANode) {
-    FrameBus bus{500'000};
+TEST(Bus, KeepsTheOrderWithinAnIdentifierOfANode) {
+    Bus bus{500'000};
     TestNode sender{bus};
     TestNode receiver{bus};
     for (const auto* data : {"03", "01", "02"}) sender.must_send(standard(0x100, data));
@@ -125,8 +125,8 @@ TEST(FrameBus, KeepsTheOrderWithinAnIdentifierOfANode) {
     EXPECT_EQ(receiver.received[2].frame.data[0], 2);
 }
 
-TEST(FrameBus, TheSameFrameFromTwoNodesIsSentAsOne) {
-    FrameBus bus{500'000};
+TEST(Bus, TheSameFrameFromTwoNodesIsSentAsOne) {
+    Bus bus{500'000};
     TestNode first{bus};
     TestNode second{bus};
     TestNode receiver{bus};
@@ -143,9 +143,9 @@ TEST(FrameBus, TheSameFrameFromTwoNodesIsSentAsOne) {
     EXPECT_EQ(receiver.received_ids(), Ids{0x123});
 }
 
-TEST(FrameBus, CountsBitsSoThatNoRoundingErrorGrows) {
+TEST(Bus, CountsBitsSoThatNoRoundingErrorGrows) {
     // A bit is 1'000'000'000 / 83'333 ns: not a whole number.
-    FrameBus bus{83'333};
+    Bus bus{83'333};
     TestNode sender{bus};
     TestNode receiver{bus};
     constexpr std::int64_t frames = 20'000;
@@ -161,9 +161,9 @@ TEST(FrameBus, CountsBitsSoThatNoRoundingErrorGrows) {
     EXPECT_EQ(bus.now(), at(Duration{total_bits * 1'000'000'000 / 83'333}));
 }
 
-TEST(FrameBus, HoldsAtEveryBitrate) {
+TEST(Bus, HoldsAtEveryBitrate) {
     for (const std::uint32_t bitrate : {10'000U, 125'000U, 1'000'000U}) {
-        FrameBus bus{bitrate};
+        Bus bus{bitrate};
         TestNode sender{bus};
         TestNode receiver{bus};
         sender.must_send(standard(0x000, "0000000000000000"));
@@ -172,8 +172,8 @@ TEST(FrameBus, HoldsAtEveryBitrate) {
     }
 }
 
-TEST(FrameBus, TracesEveryCompletedFrame) {
-    FrameBus bus{500'000};
+TEST(Bus, TracesEveryCompletedFrame) {
+    Bus bus{500'000};
     TestNode first{bus};
     TestNode second{bus};
     std::vector<CompletedFrame> log;
@@ -186,8 +186,8 @@ TEST(FrameBus, TracesEveryCompletedFrame) {
     EXPECT_EQ(log[0].sender, second.node());
 }
 
-TEST(FrameBus, ANodeAttachedDuringAFrameDoesNotReceiveIt) {
-    FrameBus bus{500'000};
+TEST(Bus, ANodeAttachedDuringAFrameDoesNotReceiveIt) {
+    Bus bus{500'000};
     TestNode sender{bus};
     TestNode receiver{bus};
     sender.must_send(standard(0x100));
@@ -199,8 +199,8 @@ TEST(FrameBus, ANodeAttachedDuringAFrameDoesNotReceiveIt) {
     EXPECT_EQ(receiver.received_ids(), (Ids{0x100, 0x200}));
 }
 
-TEST(FrameBus, AFrameOnTheBusGoesOutThoughItsSenderIsDetached) {
-    FrameBus bus{500'000};
+TEST(Bus, AFrameOnTheBusGoesOutThoughItsSenderIsDetached) {
+    Bus bus{500'000};
     TestNode receiver{bus};
     {
         TestNode sender{bus};
@@ -214,8 +214,8 @@ TEST(FrameBus, AFrameOnTheBusGoesOutThoughItsSenderIsDetached) {
     EXPECT_FALSE(successor.has_event());
 }
 
-TEST(FrameBus, ALostReceiverMayComeBackLate) {
-    FrameBus bus{500'000};
+TEST(Bus, ALostReceiverMayComeBackLate) {
+    Bus bus{500'000};
     TestNode sender{bus};
     TestNode slow{bus, {.mailboxes = 8, .receive_capacity = 3}};
     for (std::uint32_t i = 0; i < 8; ++i) sender.must_send(standard(0x100 + i));
@@ -224,8 +224,8 @@ TEST(FrameBus, ALostReceiverMayComeBackLate) {
     EXPECT_EQ(slow.lost, 5U);
 }
 
-TEST(FrameBus, AMailboxIsFreeWhenItsResultWasTaken) {
-    FrameBus bus{500'000};
+TEST(Bus, AMailboxIsFreeWhenItsResultWasTaken) {
+    Bus bus{500'000};
     TestNode sender{bus, {.mailboxes = 1}};
     TestNode receiver{bus};
     sender.must_send(standard(0x100));
@@ -236,8 +236,8 @@ TEST(FrameBus, AMailboxIsFreeWhenItsResultWasTaken) {
     sender.must_send(standard(0x100));
 }
 
-TEST(FrameBus, AnAbortOfTheFrameOnTheBusComesTooLate) {
-    FrameBus bus{500'000};
+TEST(Bus, AnAbortOfTheFrameOnTheBusComesTooLate) {
+    Bus bus{500'000};
     TestNode sender{bus};
     TestNode receiver{bus};
     const TransmitHandle handle = sender.must_send(standard(0x100));
@@ -249,8 +249,8 @@ TEST(FrameBus, AnAbortOfTheFrameOnTheBusComesTooLate) {
     EXPECT_EQ(sender.results[0].outcome, TransmitOutcome::sent);
 }
 
-TEST(FrameBus, AnAbortAtTheMomentOfSubmissionIsInTime) {
-    FrameBus bus{500'000};
+TEST(Bus, AnAbortAtTheMomentOfSubmissionIsInTime) {
+    Bus bus{500'000};
     TestNode sender{bus};
     TestNode receiver{bus};
     sender.abort(sender.must_send(standard(0x100)));
@@ -260,17 +260,17 @@ TEST(FrameBus, AnAbortAtTheMomentOfSubmissionIsInTime) {
     EXPECT_EQ(sender.results[0].outcome, TransmitOutcome::aborted);
 }
 
-TEST(FrameBus, ABasicCanControllerTakesTwoFilters) {
-    FrameBus bus{500'000};
+TEST(Bus, ABasicCanControllerTakesTwoFilters) {
+    Bus bus{500'000};
     TestNode node{bus, {.filter_list = 0}};
     EXPECT_EQ(node.capabilities().filter_list, 0U);
     EXPECT_TRUE(node.set_filters(std::array<Filter, 2>{}));
     EXPECT_FALSE(node.set_filters(std::array<Filter, 3>{}));
 }
 
-TEST(FrameBus, AnAdvanceOverManyFramesIsTheSameAsOneByOne) {
+TEST(Bus, AnAdvanceOverManyFramesIsTheSameAsOneByOne) {
     const auto run = [](Duration step) {
-        FrameBus bus{500'000};
+        Bus bus{500'000};
         TestNode first{bus};
         TestNode second{bus};
         for (std::uint32_t i = 0; i < 8; ++i) {

@@ -5,17 +5,19 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 #include "orb/base/time.hpp"
 #include "orb/can/controller.hpp"
 #include "orb/can/frame.hpp"
+#include "orb/can/sim/bit_observer.hpp"
+#include "orb/can/sim/disturbance.hpp"
+#include "orb/can/sim/error_capture.hpp"
 #include "orb/can/sim/event_queue.hpp"
+#include "orb/can/sim/node_index.hpp"
 
 namespace canorb::can::sim {
-
-/// A node of one FrameBus, from its attach() to its detach(). Numbers are used again.
-enum class NodeIndex : std::uint16_t {};
 
 /// What a node's controller is like.
 struct NodeOptions {
@@ -23,13 +25,55 @@ struct NodeOptions {
     std::size_t receive_capacity = 512;  ///< received frames held for the reader; more are lost
     /// Exact filters, or 0 for a BasicCAN controller with two mask-and-match registers.
     std::size_t filter_list = 32;
+    /// Leaves bus-off by itself, without recover().
+    bool automatic_recovery = false;
+    std::string name{};  ///< for recordings and fault scripts
 };
 
 /// A frame that was sent and acknowledged.
 struct CompletedFrame {
     Frame frame;
-    TimePoint time;    ///< end of EOF
-    NodeIndex sender;  ///< the lowest one, where several sent the same frame as one
+    TimePoint start;         ///< SOF
+    TimePoint time;          ///< end of EOF
+    NodeIndex sender;        ///< the lowest one, where several sent the same frame as one
+    std::uint32_t bits = 0;  ///< SOF to the end of EOF, with stuff bits
+    std::uint32_t stuff_bits = 0;
+    std::uint32_t lost_arbitrations = 0;  ///< nodes that began a frame at the same time and lost
+};
+
+/// A node detected an error.
+struct NodeError {
+    TimePoint time;  ///< end of the bit at which it did
+    NodeIndex node{};
+    ErrorCapture capture;
+    ErrorStatus status;    ///< after it was counted
+    bool primary = false;  ///< the first of one disturbance; the others follow from its error flag
+};
+
+/// What a node has done since it was attached.
+struct NodeStatistics {
+    std::uint64_t sent = 0;      ///< frames, acknowledged
+    std::uint64_t received = 0;  ///< valid frames of others, whatever its filters
+    std::uint64_t lost_arbitrations = 0;
+    std::uint64_t errors = 0;  ///< detected by it
+    /// Where it lost an arbitration last, as an SJA1000 counts: 0..10 identifier bits 28..18 (or
+    /// 10..0 of a standard one), 11 SRR or RTR, 12 IDE, 13..30 identifier bits 17..0, 31 RTR of an
+    /// extended frame.
+    std::optional<std::uint8_t> arbitration_lost_at;
+    std::optional<ErrorCapture> last_error;
+};
+
+/// How full a bus was since it began. Busy is each bit from SOF to the end of the intermission.
+struct BusStatistics {
+    std::uint64_t busy_bits = 0;
+    std::uint64_t frames = 0;        ///< sent and acknowledged
+    std::uint64_t error_frames = 0;  ///< disturbances, however many nodes saw them
+};
+
+/// How a bus simulates frames that nothing disturbs. All that can be observed is the same.
+enum class Fidelity : std::uint8_t {
+    frames,  ///< in one step each; a disturbed one, or with an observer every one, in bits
+    bits,    ///< always bit by bit
 };
 
 /// A CAN bus that arbitrates frame by frame, in its own time. A frame takes its exact length in
@@ -38,7 +82,7 @@ struct CompletedFrame {
 /// Time: everything happens at now(). Whoever owns the bus moves it with advance() or
 /// advance_one(), and does so *before* letting nodes act at a moment:
 ///
-///     sim::FrameBus bus{500'000};
+///     sim::Bus bus{500'000};
 ///     sim::Controller a{bus}, b{bus};
 ///     a.send(frame);                       // at bus.now()
 ///     bus.advance(bus.next_event());       // end of EOF: both have their event
@@ -70,13 +114,13 @@ struct CompletedFrame {
 ///
 /// No threads, no clock, no I/O; not safe for use by two threads at once. A NodeIndex that is not
 /// attached is a programming error.
-class FrameBus {
+class Bus {
   public:
     static constexpr std::uint32_t lowest_bitrate = 10'000;
     static constexpr std::uint32_t highest_bitrate = 1'000'000;
 
     /// `bitrate` in bit/s, 10 000 to 1 000 000. `start` is now() at first.
-    explicit FrameBus(std::uint32_t bitrate, TimePoint start = TimePoint{});
+    explicit Bus(std::uint32_t bitrate, TimePoint start = TimePoint{});
 
     std::uint32_t bitrate() const { return bitrate_; }
     TimePoint now() const { return time_; }
@@ -125,6 +169,20 @@ class FrameBus {
     /// advance_one(), before anybody can take its events. It must not call the bus.
     void set_trace(std::function<void(const CompletedFrame&)> trace) { trace_ = std::move(trace); }
 
+    /// Called for each error that a node detects; otherwise as set_trace().
+    void set_error_trace(std::function<void(const NodeError&)> trace) {
+        error_trace_ = std::move(trace);
+    }
+
+    /// From the next frame on. It must outlive the bus; nullptr: none.
+    void set_disturbance(Disturbance* disturbance);
+    void set_bit_observer(BitObserver* observer);
+    void set_fidelity(Fidelity fidelity) { fidelity_ = fidelity; }
+
+    const NodeStatistics& statistics(NodeIndex node) const { return at(node).statistics; }
+    const BusStatistics& statistics() const { return statistics_; }
+    const std::string& name(NodeIndex node) const { return at(node).options.name; }
+
   private:
     /// What a mailbox's frame does while there is a frame on the bus.
     enum class Part : std::uint8_t {
@@ -155,6 +213,7 @@ class FrameBus {
         ErrorStatus status;
         TimePoint recovered_at = never;
         bool listen_only = false;
+        NodeStatistics statistics;
     };
 
     enum class Fate : std::uint8_t { sent, unacknowledged, collided };
@@ -201,6 +260,9 @@ class FrameBus {
     std::vector<std::optional<Node>> nodes_;
     std::optional<Attempt> on_bus_;
     std::function<void(const CompletedFrame&)> trace_;
+    std::function<void(const NodeError&)> error_trace_;
+    Fidelity fidelity_ = Fidelity::frames;
+    BusStatistics statistics_;
 };
 
 }  // namespace canorb::can::sim

@@ -1,4 +1,4 @@
-#include "orb/can/sim/frame_bus.hpp"
+#include "orb/can/sim/bus.hpp"
 
 #include <algorithm>
 #include <cassert>
@@ -40,18 +40,18 @@ std::uint32_t bits_to_difference(const Frame& a, const Frame& b) {
 
 }  // namespace
 
-FrameBus::Node::Node(const NodeOptions& node_options, std::uint64_t attach_order)
+Bus::Node::Node(const NodeOptions& node_options, std::uint64_t attach_order)
     : options(node_options), events(node_options.receive_capacity), order(attach_order) {
     mailboxes.reserve(options.mailboxes);
     filters.reserve(std::max(options.filter_list, basic_can_filters));
 }
 
-FrameBus::FrameBus(std::uint32_t bitrate, TimePoint start)
+Bus::Bus(std::uint32_t bitrate, TimePoint start)
     : bitrate_(bitrate), time_(start), busy_since_(start) {
     assert(bitrate >= lowest_bitrate && bitrate <= highest_bitrate);
 }
 
-NodeIndex FrameBus::attach(const NodeOptions& options) {
+NodeIndex Bus::attach(const NodeOptions& options) {
     assert(options.mailboxes >= 1 && options.mailboxes <= 255);
     auto free = std::find_if(nodes_.begin(), nodes_.end(),
                              [](const std::optional<Node>& node) { return !node.has_value(); });
@@ -60,29 +60,29 @@ NodeIndex FrameBus::attach(const NodeOptions& options) {
     return NodeIndex{static_cast<std::uint16_t>(free - nodes_.begin())};
 }
 
-void FrameBus::detach(NodeIndex node) {
+void Bus::detach(NodeIndex node) {
     assert(static_cast<std::size_t>(node) < nodes_.size());
     nodes_[static_cast<std::size_t>(node)].reset();
 }
 
-FrameBus::Node& FrameBus::at(NodeIndex node) {
+Bus::Node& Bus::at(NodeIndex node) {
     assert(static_cast<std::size_t>(node) < nodes_.size());
     assert(nodes_[static_cast<std::size_t>(node)].has_value());
     return *nodes_[static_cast<std::size_t>(node)];
 }
 
-const FrameBus::Node& FrameBus::at(NodeIndex node) const {
+const Bus::Node& Bus::at(NodeIndex node) const {
     assert(static_cast<std::size_t>(node) < nodes_.size());
     assert(nodes_[static_cast<std::size_t>(node)].has_value());
     return *nodes_[static_cast<std::size_t>(node)];
 }
 
-std::size_t FrameBus::free_mailboxes(const Node& node) const {
+std::size_t Bus::free_mailboxes(const Node& node) const {
     const std::size_t used = node.mailboxes.size() + node.events.results();
     return used < node.options.mailboxes ? node.options.mailboxes - used : 0;
 }
 
-std::optional<SendError> FrameBus::submit(NodeIndex index, const Frame& frame,
+std::optional<SendError> Bus::submit(NodeIndex index, const Frame& frame,
                                           TransmitHandle handle, SendOptions options) {
     Node& node = at(index);
     const std::uint32_t highest_id = frame.extended ? 0x1FFFFFFF : 0x7FF;
@@ -102,14 +102,14 @@ std::optional<SendError> FrameBus::submit(NodeIndex index, const Frame& frame,
     return std::nullopt;
 }
 
-bool FrameBus::fail(NodeIndex index, TransmitHandle handle) {
+bool Bus::fail(NodeIndex index, TransmitHandle handle) {
     Node& node = at(index);
     if (free_mailboxes(node) == 0) return false;
     node.events.push(TransmitResult{handle, TransmitOutcome::failed, time_});
     return true;
 }
 
-void FrameBus::abort(NodeIndex index, TransmitHandle handle) {
+void Bus::abort(NodeIndex index, TransmitHandle handle) {
     Node& node = at(index);
     for (std::size_t i = 0; i < node.mailboxes.size(); ++i) {
         if (node.mailboxes[i].handle != handle) continue;
@@ -122,7 +122,7 @@ void FrameBus::abort(NodeIndex index, TransmitHandle handle) {
     }
 }
 
-bool FrameBus::set_filters(NodeIndex index, std::span<const Filter> filters) {
+bool Bus::set_filters(NodeIndex index, std::span<const Filter> filters) {
     Node& node = at(index);
     const std::size_t room =
         node.options.filter_list == 0 ? basic_can_filters : node.options.filter_list;
@@ -131,7 +131,7 @@ bool FrameBus::set_filters(NodeIndex index, std::span<const Filter> filters) {
     return true;
 }
 
-void FrameBus::set_listen_only(NodeIndex index, bool on) {
+void Bus::set_listen_only(NodeIndex index, bool on) {
     Node& node = at(index);
     node.listen_only = on;
     if (!on) return;
@@ -144,17 +144,17 @@ void FrameBus::set_listen_only(NodeIndex index, bool on) {
     }
 }
 
-void FrameBus::recover(NodeIndex index) {
+void Bus::recover(NodeIndex index) {
     Node& node = at(index);
     if (node.status.state != ControllerState::bus_off || node.recovered_at != never) return;
     node.recovered_at = time_ + span(recovery_bits);
 }
 
-ErrorStatus FrameBus::error_status(NodeIndex node) const {
+ErrorStatus Bus::error_status(NodeIndex node) const {
     return at(node).status;
 }
 
-Capabilities FrameBus::capabilities(NodeIndex index) const {
+Capabilities Bus::capabilities(NodeIndex index) const {
     const Node& node = at(index);
     Capabilities capabilities;
     capabilities.max_payload = Frame::max_classic_payload;
@@ -166,16 +166,16 @@ Capabilities FrameBus::capabilities(NodeIndex index) const {
     return capabilities;
 }
 
-std::optional<ControllerEvent> FrameBus::poll(NodeIndex node) {
+std::optional<ControllerEvent> Bus::poll(NodeIndex node) {
     return at(node).events.pop();
 }
 
-const EventQueue& FrameBus::events(NodeIndex node) const {
+const EventQueue& Bus::events(NodeIndex node) const {
     return at(node).events;
 }
 
 /// The frame with which a node would take part in an arbitration.
-const FrameBus::Mailbox* FrameBus::candidate(const Node& node) {
+const Bus::Mailbox* Bus::candidate(const Node& node) {
     if (!takes_part(node)) return nullptr;
     const Mailbox* lowest = nullptr;
     for (const Mailbox& mailbox : node.mailboxes) {
@@ -184,15 +184,15 @@ const FrameBus::Mailbox* FrameBus::candidate(const Node& node) {
     return lowest;
 }
 
-Duration FrameBus::span(std::uint64_t bits) const {
+Duration Bus::span(std::uint64_t bits) const {
     return Duration{static_cast<Duration::rep>(bits * 1'000'000'000U / bitrate_)};
 }
 
-TimePoint FrameBus::free_at() const {
+TimePoint Bus::free_at() const {
     return busy_since_ + span(busy_bits_);
 }
 
-TimePoint FrameBus::next_recovery() const {
+TimePoint Bus::next_recovery() const {
     TimePoint earliest = never;
     for (const auto& node : nodes_) {
         if (node) earliest = std::min(earliest, node->recovered_at);
@@ -200,7 +200,7 @@ TimePoint FrameBus::next_recovery() const {
     return earliest;
 }
 
-std::optional<FrameBus::Attempt> FrameBus::next_attempt() const {
+std::optional<Bus::Attempt> Bus::next_attempt() const {
     const Mailbox* winner = nullptr;  // of the frames that win, the most dominant
     NodeIndex sender{};
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
@@ -263,7 +263,7 @@ std::optional<FrameBus::Attempt> FrameBus::next_attempt() const {
     return attempt;
 }
 
-void FrameBus::begin(const Attempt& attempt) {
+void Bus::begin(const Attempt& attempt) {
     if (attempt.start != free_at()) {
         busy_since_ = attempt.start;
         busy_bits_ = 0;
@@ -290,11 +290,15 @@ void FrameBus::begin(const Attempt& attempt) {
     }
 }
 
-void FrameBus::complete() {
+void Bus::complete() {
     const Attempt attempt = *std::exchange(on_bus_, std::nullopt);
     time_ = attempt.end;
     if (attempt.fate == Fate::sent && trace_) {
-        trace_(CompletedFrame{attempt.frame, attempt.end, attempt.sender});
+        CompletedFrame completed;
+        completed.frame = attempt.frame;
+        completed.time = attempt.end;
+        completed.sender = attempt.sender;
+        trace_(completed);
     }
     for (auto& node : nodes_) {
         if (!node || !takes_part(*node) || node->order > attempt.order) continue;
@@ -310,7 +314,7 @@ void FrameBus::complete() {
 }
 
 /// What the end of an attempt means for a mailbox that took part in it.
-void FrameBus::settle(Node& node, std::size_t index, Fate fate) {
+void Bus::settle(Node& node, std::size_t index, Fate fate) {
     Mailbox& mailbox = node.mailboxes[index];
     const Part part = std::exchange(mailbox.part, Part::waiting);
     if (part == Part::sending && fate == Fate::sent) {
@@ -329,7 +333,7 @@ void FrameBus::settle(Node& node, std::size_t index, Fate fate) {
     if (is_error && !(is_unheard && is_passive)) count_errors(node, error_weight, 0);
 }
 
-void FrameBus::receive(Node& node, const Attempt& attempt) {
+void Bus::receive(Node& node, const Attempt& attempt) {
     if (attempt.fate != Fate::sent) {
         // A silent node counts nothing; without an acknowledging receiver there is no other.
         if (!node.listen_only) count_errors(node, 0, 1);
@@ -341,7 +345,7 @@ void FrameBus::receive(Node& node, const Attempt& attempt) {
     if (accepted) node.events.push(Received{attempt.frame, attempt.end});
 }
 
-void FrameBus::recover_nodes() {
+void Bus::recover_nodes() {
     for (auto& node : nodes_) {
         if (!node || node->recovered_at > time_) continue;
         node->recovered_at = never;
@@ -351,16 +355,16 @@ void FrameBus::recover_nodes() {
     }
 }
 
-void FrameBus::finish(Node& node, std::size_t index, TransmitOutcome outcome) {
+void Bus::finish(Node& node, std::size_t index, TransmitOutcome outcome) {
     node.events.push(TransmitResult{node.mailboxes[index].handle, outcome, time_});
     node.mailboxes.erase(node.mailboxes.begin() + static_cast<std::ptrdiff_t>(index));
 }
 
-void FrameBus::fail_all(Node& node) {
+void Bus::fail_all(Node& node) {
     while (!node.mailboxes.empty()) finish(node, 0, TransmitOutcome::failed);
 }
 
-void FrameBus::count_errors(Node& node, int tec, int rec) {
+void Bus::count_errors(Node& node, int tec, int rec) {
     ErrorStatus& status = node.status;
     const auto add = [](int counter, int change) {
         // A good frame brings a counter above the passive limit back to it at once.
@@ -385,7 +389,7 @@ void FrameBus::count_errors(Node& node, int tec, int rec) {
     if (status.state == ControllerState::bus_off) fail_all(node);
 }
 
-TimePoint FrameBus::next_event() const {
+TimePoint Bus::next_event() const {
     TimePoint event = next_recovery();
     if (on_bus_) {
         event = std::min(event, on_bus_->end);
@@ -395,7 +399,7 @@ TimePoint FrameBus::next_event() const {
     return event;
 }
 
-void FrameBus::advance(TimePoint to) {
+void Bus::advance(TimePoint to) {
     if (to < time_) return;
     while (true) {
         const TimePoint recovery = next_recovery();
@@ -421,7 +425,7 @@ void FrameBus::advance(TimePoint to) {
     time_ = to;
 }
 
-bool FrameBus::advance_one() {
+bool Bus::advance_one() {
     const TimePoint event = next_event();
     if (event == never) return false;
     // Nothing ends before `event`, and whatever else ends at that moment is complete as well.
