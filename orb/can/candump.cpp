@@ -6,9 +6,7 @@
 namespace canorb::can {
 namespace {
 
-constexpr std::uint32_t error_flag = 0x20000000;  // CAN_ERR_FLAG of linux/can.h
-constexpr std::uint32_t highest_standard_id = 0x7FF;
-constexpr std::uint32_t highest_extended_id = 0x1FFFFFFF;
+constexpr std::uint32_t error_flag = 0x20000000;    // CAN_ERR_FLAG of linux/can.h
 constexpr std::size_t longest_interface_name = 15;  // IFNAMSIZ - 1
 constexpr std::size_t seconds_digits = 10;
 constexpr std::size_t longest_seconds = 10;  // beyond, nanoseconds overflow
@@ -79,11 +77,11 @@ bool parse_identifier(std::string_view text, Frame& frame) {
     const auto id = parse_hex(text);
     if (!id) return false;
     frame.id = *id;
-    if (text.size() == 3) return frame.id <= highest_standard_id;
+    if (text.size() == 3) return frame.id <= highest_id(false);
     frame.error = (*id & error_flag) != 0;
     frame.extended = !frame.error;
     frame.id = *id & ~error_flag;
-    return frame.id <= highest_extended_id;
+    return frame.id <= highest_id(true);
 }
 
 bool is_fd_length(std::size_t octets) {

@@ -44,6 +44,18 @@ struct Frame {
     }
 };
 
+/// The largest identifier: of 11 bits, or of 29 where `extended`.
+constexpr std::uint32_t highest_id(bool extended) {
+    return extended ? 0x1FFFFFFF : 0x7FF;
+}
+
+/// Whether classic CAN has such frames: data or remote, an identifier that fits its format, a DLC
+/// of 0 to 8.
+inline bool is_classic(const Frame& frame) {
+    return !frame.fd && !frame.error && frame.length <= Frame::max_classic_payload &&
+           frame.id <= highest_id(frame.extended);
+}
+
 /// Accepts a frame when its identifier agrees with `value` in every bit that is 1 in `mask` and
 /// its kind (standard or extended) is this filter's.
 struct Filter {

@@ -99,10 +99,7 @@ class SimController final : public Controller {
 
     [[nodiscard]] SendResult send(const Frame& frame, SendOptions options) override {
         const std::lock_guard lock{mutex_};
-        if (frame.fd || frame.error || frame.length > Frame::max_classic_payload ||
-            frame.id > (frame.extended ? 0x1FFFFFFFU : 0x7FFU) || listen_only_) {
-            return SendError::unsupported;
-        }
+        if (!is_classic(frame) || listen_only_) return SendError::unsupported;
         if (status_.state == ControllerState::stopped) return SendError::stopped;
         if (status_.state == ControllerState::bus_off) return SendError::bus_off;
         if (transmissions_.size() >= capabilities_.mailboxes || !flush()) return SendError::full;

@@ -83,10 +83,7 @@ Capabilities SlcanController::capabilities() const {
 
 SendResult SlcanController::send(const Frame& frame, SendOptions options) {
     const std::lock_guard lock{mutex_};
-    if (frame.fd || frame.error || frame.length > Frame::max_classic_payload ||
-        frame.id > (frame.extended ? 0x1FFFFFFFU : 0x7FFU) || options.one_shot || listen_only_) {
-        return SendError::unsupported;
-    }
+    if (!is_classic(frame) || options.one_shot || listen_only_) return SendError::unsupported;
     if (status_.state == ControllerState::stopped) return SendError::stopped;
     if (status_.state == ControllerState::bus_off) return SendError::bus_off;
     if (mailboxes_.full()) return SendError::full;

@@ -40,7 +40,7 @@ std::optional<Frame> parse_frame(std::string_view line) {
     const auto id = hex(line.substr(0, id_digits));
     const char length = line[id_digits];
     line.remove_prefix(id_digits + 1);
-    if (!id || *id > (frame.extended ? 0x1FFFFFFFU : 0x7FFU) || length < '0' || length > '8') {
+    if (!id || *id > highest_id(frame.extended) || length < '0' || length > '8') {
         return std::nullopt;
     }
     frame.id = *id;

@@ -157,10 +157,7 @@ Capabilities SocketCanController::capabilities() const {
 
 SendResult SocketCanController::send(const Frame& frame, SendOptions options) {
     const std::lock_guard lock{mutex_};
-    if (frame.fd || frame.error || frame.length > Frame::max_classic_payload || options.one_shot ||
-        frame.id > (frame.extended ? CAN_EFF_MASK : CAN_SFF_MASK)) {
-        return SendError::unsupported;
-    }
+    if (!is_classic(frame) || options.one_shot) return SendError::unsupported;
     if (status_.state == ControllerState::stopped) return SendError::stopped;
     if (status_.state == ControllerState::bus_off) return SendError::bus_off;
     if (in_flight_.size() >= mailboxes) return SendError::full;

@@ -85,7 +85,7 @@ void put(Packet& packet, PacketType type) {
 }
 
 void put(Packet& packet, const Frame& frame) {
-    assert(!frame.fd && !frame.error && frame.length <= Frame::max_classic_payload);
+    assert(is_classic(frame));
     packet.put32(frame.id | (frame.extended ? extended_flag : 0) |
                  (frame.remote ? remote_flag : 0));
     packet.put8(frame.length);
@@ -99,8 +99,7 @@ Frame get_frame(Reader& reader) {
     frame.remote = (id & remote_flag) != 0;
     frame.id = id & ~(extended_flag | remote_flag);
     frame.length = reader.get8();
-    if (frame.length > Frame::max_classic_payload ||
-        frame.id > (frame.extended ? 0x1FFFFFFFU : 0x7FFU)) {
+    if (!is_classic(frame)) {
         reader.fail();
         return Frame{};
     }
