@@ -9,7 +9,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdlib>
-#include <filesystem>
+#include <functional>
 #include <future>
 #include <mutex>
 #include <string>
@@ -21,12 +21,14 @@
 
 #include "canorb/orb.hpp"
 #include "orb/can/link/link.hpp"
+#include "tests/can/temporary_directory.hpp"
 #include "tests/runtime/world.hpp"
 #include "tests/socketcan/raw_socket.hpp"
 #include "tests/tank/child.hpp"
 
 namespace canorb::test {
 
+using can::test::TemporaryDirectory;
 using tank::test::Child;
 
 /// Waits for what comes by itself, for as long as a loaded machine may take.
@@ -96,24 +98,6 @@ class VcanTest : public testing::Test {
 
     std::string interface;
     std::string address;
-};
-
-/// A directory of its own for a test, which every user may read, removed with this object.
-class TemporaryDirectory {
-  public:
-    TemporaryDirectory() {
-        path_ = (std::filesystem::temp_directory_path() / "canorb-socketcan-XXXXXX").string();
-        if (::mkdtemp(path_.data()) == nullptr) throw std::runtime_error("no temporary directory");
-        std::filesystem::permissions(path_, std::filesystem::perms{0755});
-    }
-    ~TemporaryDirectory() { std::filesystem::remove_all(path_); }
-    TemporaryDirectory(const TemporaryDirectory&) = delete;
-    TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
-
-    const std::string& path() const { return path_; }
-
-  private:
-    std::string path_;
 };
 
 /// An ORB, with a thread that runs its event loop, and what it told.

@@ -1,6 +1,7 @@
 // Interfaces that are not there, go away and come back, and who may use them.
 
 #include <atomic>
+#include <filesystem>
 
 #include "tests/socketcan/can_test.hpp"
 
@@ -55,6 +56,21 @@ class Interface : public VcanTest {
         return call;
     }
 
+    /// Both tell that they are error active, and a call between them is answered.
+    void expect_to_work(Node& server, Node& client) {
+        EXPECT_TRUE(server.tells(ControllerState::error_active));
+        EXPECT_TRUE(client.tells(ControllerState::error_active));
+        const std::vector<std::uint8_t> octets(30, 7);
+        EXPECT_EQ(client.object_on(3).invoke(8, octets), octets);
+    }
+    /// The interface is gone. Both tell so, and work again when it is back.
+    void expect_to_work_again(Node& server, Node& client, const std::function<void()>& bring_back) {
+        EXPECT_TRUE(server.tells(ControllerState::stopped));
+        EXPECT_TRUE(client.tells(ControllerState::stopped));
+        bring_back();
+        expect_to_work(server, client);
+    }
+
     std::atomic<bool> in_servant = false;
     std::atomic<bool> release = false;
     TestServant servant{{{7,
@@ -94,13 +110,7 @@ TEST_F(Interface, WorksAgainWhenItIsUp) {
         set_up(interface, false);
         expect_comm_failure_in_time(call.end(), since);
         release = true;
-        EXPECT_TRUE(server.tells(ControllerState::stopped));
-        EXPECT_TRUE(client.tells(ControllerState::stopped));
-        set_up(interface, true);
-        EXPECT_TRUE(server.tells(ControllerState::error_active));
-        EXPECT_TRUE(client.tells(ControllerState::error_active));
-        const std::vector<std::uint8_t> octets(30, 7);
-        EXPECT_EQ(client.object_on(3).invoke(8, octets), octets);
+        expect_to_work_again(server, client, [&] { set_up(interface, true); });
     }
 }
 
@@ -126,13 +136,7 @@ TEST_F(Interface, IsRemovedAndAddedAgain) {
         const auto deleted = CallInProgress::Clock::now();
         expect_comm_failure_in_time(call.end(), deleted);
         release = true;
-        EXPECT_TRUE(server.tells(ControllerState::stopped));
-        EXPECT_TRUE(client.tells(ControllerState::stopped));
-        add();
-        EXPECT_TRUE(server.tells(ControllerState::error_active));
-        EXPECT_TRUE(client.tells(ControllerState::error_active));
-        const std::vector<std::uint8_t> octets(30, 7);
-        EXPECT_EQ(client.object_on(3).invoke(8, octets), octets);
+        expect_to_work_again(server, client, [&] { add(); });
     }
 }
 
@@ -144,10 +148,7 @@ TEST_F(Interface, IsDownAtFirst) {
     const auto called = CallInProgress::Clock::now();
     expect_comm_failure_in_time(CallInProgress{client.object_on(3)}.end(), called);
     set_up(interface, true);
-    EXPECT_TRUE(server.tells(ControllerState::error_active));
-    EXPECT_TRUE(client.tells(ControllerState::error_active));
-    EXPECT_EQ(client.object_on(3).invoke(8, std::vector<std::uint8_t>{1}),
-              std::vector<std::uint8_t>{1});
+    expect_to_work(server, client);
 }
 
 // The kernel drops its news of interfaces when there are too many for who does not read them.
@@ -269,6 +270,7 @@ TEST_F(Interface, IsSharedByTwoNetworkNamespaces) {
 TEST_F(Interface, IsForEveryUser) {
     // Where the repository is, the user may not be able to read.
     const TemporaryDirectory directory;
+    std::filesystem::permissions(directory.path(), std::filesystem::perms{0755});
     const std::string program = directory.path() + "/node";
     std::filesystem::copy_file(SOCKETCAN_NODE, program);
     const std::vector<std::string> as_nobody{
