@@ -23,6 +23,7 @@ const std::vector<Folder>& folders() {
         {"orb/giop", {"orb/giop", "orb/ccdr", "orb/base"}, true},
         {"orb/can", {"orb/can", "orb/base"}, true},
         {"orb/can/sim", {"orb/can/sim", "orb/can", "orb/base"}, true},
+        {"orb/can/record", {"orb/can/record", "orb/can/sim", "orb/can", "orb/base"}},
         {"orb/can/link", {"orb/can/link", "orb/can/sim", "orb/can", "orb/base"}},
         {"orb/caniop", {"orb/caniop", "orb/can", "orb/base"}, true},
         {"orb/poa", {"orb/poa", "orb/giop", "orb/ccdr", "orb/base"}, true},
