@@ -135,11 +135,8 @@ Result<BusAddress, std::string> parse_slcan(std::string_view rest) {
 }  // namespace
 
 Result<std::uint32_t, std::string> parse_bitrate(std::string_view text) {
-    std::uint32_t value = 0;
-    const char* const end = text.data() + text.size();
-    const auto [stop, error] = std::from_chars(text.data(), end, value);
-    if (error != std::errc{} || stop != end || value < sim::Bus::lowest_bitrate ||
-        value > sim::Bus::highest_bitrate) {
+    const std::uint32_t value = number(text);
+    if (value < sim::Bus::lowest_bitrate || value > sim::Bus::highest_bitrate) {
         return Failure{quoted(text) + " is not a bit rate: a number from " +
                        std::to_string(sim::Bus::lowest_bitrate) + " to " +
                        std::to_string(sim::Bus::highest_bitrate) + " (bit/s)"};

@@ -2,8 +2,6 @@
 
 #include <poll.h>
 #include <sys/epoll.h>
-#include <sys/timerfd.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -20,7 +18,7 @@ namespace canorb::can {
 namespace {
 
 constexpr int answer_timeout_ms = 5000;
-constexpr long reconnect_interval_ns = 100'000'000;
+constexpr Duration reconnect_interval = std::chrono::milliseconds{100};
 
 std::string no_bus(const std::string& path, int error) {
     return "no bus at sim:" + path + " (" + error_text(error) +
@@ -79,11 +77,10 @@ class SimController final : public Controller {
         : path_(std::move(address.path)),
           name_(std::move(name)),
           own_events_(0),
-          epoll_(::epoll_create1(EPOLL_CLOEXEC)),
-          timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
+          epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
         if (!is_open()) return;
-        watch(own_signal_.fd());
-        watch(timer_.get());
+        watch(epoll_, own_signal_.fd());
+        watch(epoll_, timer_.fd());
         take_socket(std::move(admission.socket));
         enter(admission.welcome);
         own_events_.pop();  // the news that it is up is for reconnections
@@ -109,7 +106,7 @@ class SimController final : public Controller {
             case SendOutcome::sent:
                 break;
             case SendOutcome::would_block:
-                watch_writable(true);  // its event says when to try again
+                await_room(true);  // its event says when to try again
                 return SendError::full;
             case SendOutcome::gone:
                 return SendError::stopped;  // poll() will find out and tell
@@ -156,7 +153,7 @@ class SimController final : public Controller {
             flush();
         } else if (status_.state == ControllerState::stopped && !reconnecting_) {
             reconnecting_ = true;
-            set_timer(reconnect_interval_ns);
+            timer_.repeat(reconnect_interval);
             reconnect();
         }
         return std::nullopt;
@@ -164,7 +161,7 @@ class SimController final : public Controller {
 
     std::optional<ControllerEvent> poll() override {
         const std::lock_guard lock{mutex_};
-        if (reconnecting_ && timer_expired()) reconnect();
+        if (reconnecting_ && timer_.take_expiry()) reconnect();
         flush();
         while (true) {
             if (auto event = own_events_.pop()) {
@@ -193,38 +190,16 @@ class SimController final : public Controller {
         bool abort_unsent;
     };
 
-    void watch(int fd, std::uint32_t events = EPOLLIN) const {
-        epoll_event interest{};
-        interest.events = events;
-        interest.data.fd = fd;
-        ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &interest);
-    }
-
-    void watch_writable(bool on) {
+    void await_room(bool on) {
         if (on == writable_watched_) return;
         writable_watched_ = on;
-        epoll_event interest{};
-        interest.events = on ? EPOLLIN | EPOLLOUT : EPOLLIN;
-        interest.data.fd = socket_.get();
-        ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, socket_.get(), &interest);
-    }
-
-    void set_timer(long interval_ns) const {
-        itimerspec setting{};
-        setting.it_value.tv_nsec = interval_ns;
-        setting.it_interval.tv_nsec = interval_ns;
-        ::timerfd_settime(timer_.get(), 0, &setting, nullptr);
-    }
-
-    bool timer_expired() const {
-        std::uint64_t expirations = 0;
-        return ::read(timer_.get(), &expirations, sizeof expirations) > 0;
+        watch_writable(epoll_, socket_.get(), on);
     }
 
     void take_socket(Descriptor socket) {
         socket_ = std::move(socket);
         writable_watched_ = false;
-        watch(socket_.get());
+        watch(epoll_, socket_.get());
     }
 
     void tell(const StateChanged& change) {
@@ -241,7 +216,7 @@ class SimController final : public Controller {
         capabilities_.one_shot = true;
         capabilities_.listen_only = true;
         status_ = ErrorStatus{};
-        set_timer(0);
+        timer_.stop();
         reconnecting_ = false;
         filters_unsent_ = true;
         listen_only_unsent_ = true;
@@ -324,7 +299,7 @@ class SimController final : public Controller {
             try_send(transmission.abort_unsent,
                      sim::AbortRequest{monotonic_now(), transmission.handle});
         }
-        watch_writable(!sent);
+        await_room(!sent);
         return sent;
     }
 
@@ -347,7 +322,7 @@ class SimController final : public Controller {
     sim::EventQueue own_events_;
     Signal own_signal_;
     Descriptor epoll_;
-    Descriptor timer_;
+    Timer timer_;
 };
 
 class SimLink final : public Link {

@@ -2,8 +2,6 @@
 
 #include <poll.h>
 #include <sys/epoll.h>
-#include <sys/timerfd.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
@@ -38,10 +36,9 @@ SlcanController::SlcanController(SlcanAddress address)
     : address_(std::move(address)),
       own_events_(0),
       mailboxes_(own_events_),
-      epoll_(::epoll_create1(EPOLL_CLOEXEC)),
-      timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
-    watch(own_signal_.fd());
-    watch(timer_.get());
+      epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
+    watch(epoll_, own_signal_.fd());
+    watch(epoll_, timer_.fd());
 }
 
 SlcanController::~SlcanController() {
@@ -142,10 +139,7 @@ std::optional<ControllerEvent> SlcanController::poll() {
     const std::lock_guard lock{mutex_};
     const TimePoint now = monotonic_now();
     // An expiry that is not to be read yet will be at the next poll().
-    std::uint64_t expirations = 0;
-    if (now >= timer_due_ && ::read(timer_.get(), &expirations, sizeof expirations) > 0) {
-        timer_due_ = never;
-    }
+    if (now >= timer_due_ && timer_.take_expiry()) timer_due_ = never;
     if (!port_.is_open() && now >= reopen_at_) open_port(now);
     auto event = next_event(now);
     if (event) mailboxes_.on_taken(*event);
@@ -153,20 +147,10 @@ std::optional<ControllerEvent> SlcanController::poll() {
     return event;
 }
 
-void SlcanController::watch(int fd) const {
-    epoll_event interest{};
-    interest.events = EPOLLIN;
-    interest.data.fd = fd;
-    ::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &interest);
-}
-
-void SlcanController::watch_writable(bool on) {
+void SlcanController::await_room(bool on) {
     if (on == writable_watched_) return;
     writable_watched_ = on;
-    epoll_event interest{};
-    interest.events = on ? EPOLLIN | EPOLLOUT : EPOLLIN;
-    interest.data.fd = port_.fd();
-    ::epoll_ctl(epoll_.get(), EPOLL_CTL_MOD, port_.fd(), &interest);
+    watch_writable(epoll_, port_.fd(), on);
 }
 
 bool SlcanController::is_up() const {
@@ -182,7 +166,7 @@ void SlcanController::open_port(TimePoint now) {
         return;
     }
     port_ = std::move(*port);
-    watch(port_.fd());
+    watch(epoll_, port_.fd());
     writable_watched_ = false;
     receiver_.reset();
     input_ = {};
@@ -245,7 +229,7 @@ bool SlcanController::flush(TimePoint now) {
         output_.remove_prefix(*written);
         if (*written == 0) break;
     }
-    watch_writable(!output_.empty());
+    await_room(!output_.empty());
     if (!output_.empty()) return false;
     // From a peer that never answers there is nothing more to learn.
     if (!address_.answers && awaited_ != Command::none) on_done(now);
@@ -473,12 +457,7 @@ void SlcanController::set_timer() {
     }
     if (due >= timer_due_) return;
     timer_due_ = due;
-    const auto since_start = due.time_since_epoch();
-    const auto seconds = std::chrono::floor<std::chrono::seconds>(since_start);
-    itimerspec setting{};
-    setting.it_value.tv_sec = static_cast<time_t>(seconds.count());
-    setting.it_value.tv_nsec = static_cast<long>((since_start - seconds).count());
-    ::timerfd_settime(timer_.get(), TFD_TIMER_ABSTIME, &setting, nullptr);
+    timer_.set_at(due);
 }
 
 void SlcanController::update_signal() {

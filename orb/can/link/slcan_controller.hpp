@@ -66,8 +66,7 @@ class SlcanController final : public Controller {
 
     explicit SlcanController(SlcanAddress address);
 
-    void watch(int fd) const;
-    void watch_writable(bool on);
+    void await_room(bool on);
     bool is_up() const;
 
     void open_port(TimePoint now);
@@ -141,7 +140,7 @@ class SlcanController final : public Controller {
     Signal own_signal_;
     bool signalled_ = false;
     Descriptor epoll_;
-    Descriptor timer_;
+    Timer timer_;
     TimePoint timer_due_ = never;
 };
 

@@ -3,8 +3,6 @@
 #include <linux/can/raw.h>
 #include <sys/epoll.h>
 #include <sys/socket.h>
-#include <sys/timerfd.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <array>
@@ -33,20 +31,6 @@ constexpr Duration watch_interval = std::chrono::seconds{1};
 bool is_same(const can_frame& a, const can_frame& b) {
     return a.can_id == b.can_id && a.can_dlc == b.can_dlc &&
            std::memcmp(a.data, b.data, sizeof a.data) == 0;
-}
-
-void set_timer(const Descriptor& timer, Duration time) {
-    itimerspec setting{};
-    setting.it_value.tv_sec = static_cast<time_t>(time / std::chrono::seconds{1});
-    setting.it_value.tv_nsec = static_cast<long>((time % std::chrono::seconds{1}).count());
-    ::timerfd_settime(timer.get(), 0, &setting, nullptr);
-}
-
-void watch(const Descriptor& epoll, int fd) {
-    epoll_event interest{};
-    interest.events = EPOLLIN;
-    interest.data.fd = fd;
-    ::epoll_ctl(epoll.get(), EPOLL_CTL_ADD, fd, &interest);
 }
 
 std::string why_no_socket(int error) {
@@ -109,13 +93,10 @@ Result<std::unique_ptr<SocketCanController>, std::string> SocketCanController::o
 }
 
 SocketCanController::SocketCanController(std::string name, InterfaceMonitor monitor)
-    : name_(std::move(name)),
-      monitor_(std::move(monitor)),
-      epoll_(::epoll_create1(EPOLL_CLOEXEC)),
-      timer_(::timerfd_create(CLOCK_MONOTONIC, TFD_CLOEXEC | TFD_NONBLOCK)) {
+    : name_(std::move(name)), monitor_(std::move(monitor)), epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
     in_flight_.reserve(mailboxes);
     watch(epoll_, monitor_.fd());
-    watch(epoll_, timer_.get());
+    watch(epoll_, timer_.fd());
     watch(epoll_, own_signal_.fd());
 }
 
@@ -184,19 +165,18 @@ SendResult SocketCanController::send(const Frame& frame, SendOptions options) {
 void SocketCanController::wait_for_room() {
     if (waiting_for_room_) return;
     waiting_for_room_ = true;
-    set_timer(timer_, room_interval);
+    timer_.set_after(room_interval);
 }
 
 // The timer runs on between two transmissions: to set it for each would cost a system call.
 void SocketCanController::watch_in_flight() {
     if (watching_ || waiting_for_room_ || in_flight_.empty()) return;
     watching_ = true;
-    set_timer(timer_, watch_interval);
+    timer_.set_after(watch_interval);
 }
 
 void SocketCanController::on_timer() {
-    std::uint64_t expirations = 0;
-    if (::read(timer_.get(), &expirations, sizeof expirations) <= 0) return;
+    if (!timer_.take_expiry()) return;
     waiting_for_room_ = false;
     watching_ = false;
     if (!socket_.is_open()) {
@@ -300,7 +280,7 @@ void SocketCanController::ask_kernel() {
     const int others = ::epoll_wait(epoll_.get(), ready.data(), ready.size(), 0);
     for (int i = 0; i < others; ++i) {
         const int fd = ready[static_cast<std::size_t>(i)].data.fd;
-        if (fd == timer_.get()) {
+        if (fd == timer_.fd()) {
             on_timer();
         } else if (fd == monitor_.fd()) {
             if (monitor_.update()) follow_interface();
@@ -374,7 +354,7 @@ void SocketCanController::follow_interface() {
     carrier_lost_ = interface.up && !interface.running && (carrier_lost_ || !interface.carrier);
     if (!interface.up) return;
     if (!socket_.is_open() && open_sockets() != 0) {
-        set_timer(timer_, watch_interval);  // to try again
+        timer_.set_after(watch_interval);  // to try again
         return;
     }
     ErrorStatus status = status_;

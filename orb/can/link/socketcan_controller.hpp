@@ -86,7 +86,7 @@ class SocketCanController final : public Controller {
         watcher_;  ///< receives what socket_ has sent, and errors: a flood cannot push them out
     int bound_to_ = 0;  ///< the index of the sockets' interface
     Descriptor epoll_;
-    Descriptor timer_;
+    Timer timer_;
     Signal own_signal_;
     std::deque<ControllerEvent> own_events_;  ///< that are told before what waits in the sockets
     ErrorStatus status_{.state = ControllerState::stopped};
