@@ -1,0 +1,518 @@
+#include "orb/can/sim/fault_script.hpp"
+
+#include <algorithm>
+#include <array>
+#include <span>
+#include <utility>
+
+namespace canorb::can::sim {
+namespace {
+
+constexpr std::uint64_t second = 1'000'000'000;  // in nanoseconds
+
+/// A word, a quoted text or a comma.
+struct Token {
+    std::string_view text;
+    std::size_t column = 0;
+    bool quoted = false;
+};
+
+struct Keyword {
+    std::string_view text;
+    FaultKind kind;
+};
+constexpr std::array<Keyword, 6> actions{{{"flip", FaultKind::flip},
+                                          {"dominant", FaultKind::dominant},
+                                          {"recessive", FaultKind::recessive},
+                                          {"stuck-dominant", FaultKind::stuck_dominant},
+                                          {"cut-off", FaultKind::cut_off},
+                                          {"reconnect", FaultKind::reconnect}}};
+
+struct Unit {
+    std::string_view text;
+    std::uint64_t nanoseconds;  ///< 0: bit times
+};
+constexpr std::array<Unit, 6> units{
+    {{"ns", 1}, {"us", 1'000}, {"ms", 1'000'000}, {"s", second}, {"bits", 0}, {"bit", 0}}};
+
+struct PlaceName {
+    std::string_view text;
+    FramePlace::Field field;
+    std::uint16_t numbers;  ///< the highest; 0 where the field is a single bit
+};
+constexpr std::array<PlaceName, 17> places{{
+    {"sof", FramePlace::Field::start_of_frame, 0},
+    {"id", FramePlace::Field::identifier, 29},
+    {"srr", FramePlace::Field::substitute_remote_request, 0},
+    {"rtr", FramePlace::Field::remote_request, 0},
+    {"ide", FramePlace::Field::identifier_extension, 0},
+    {"r1", FramePlace::Field::reserved_1, 0},
+    {"r0", FramePlace::Field::reserved_0, 0},
+    {"dlc", FramePlace::Field::data_length_code, 4},
+    {"data", FramePlace::Field::data, 64},
+    {"crc", FramePlace::Field::crc, 15},
+    {"crc-delimiter", FramePlace::Field::crc_delimiter, 0},
+    {"ack", FramePlace::Field::ack_slot, 0},
+    {"ack-delimiter", FramePlace::Field::ack_delimiter, 0},
+    {"eof", FramePlace::Field::end_of_frame, 7},
+    {"intermission", FramePlace::Field::intermission, 3},
+    {"stuff", FramePlace::Field::stuff_bit, 29},
+    {"bit", FramePlace::Field::any_bit, 999},
+}};
+
+/// Words that are no node's name unless quoted.
+constexpr std::array<std::string_view, 7> reserved{"wire", "each-node", "for",  "from",
+                                                   "at",   "attempt",   "every"};
+
+template <typename Table>
+const typename Table::value_type* look_up(const Table& table, std::string_view text) {
+    const auto found = std::find_if(table.begin(), table.end(),
+                                    [&](const auto& entry) { return entry.text == text; });
+    return found == table.end() ? nullptr : &*found;
+}
+
+bool is_space(char c) {
+    return c == ' ' || c == '\t';
+}
+
+bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
+std::string_view take_digits(std::string_view& text) {
+    std::size_t count = 0;
+    while (count < text.size() && is_digit(text[count])) ++count;
+    const std::string_view digits = text.substr(0, count);
+    text.remove_prefix(count);
+    return digits;
+}
+
+/// Nothing where it is empty, has something else than digits, or is above `highest`.
+std::optional<std::uint64_t> parse_number(std::string_view text, int base, std::uint64_t highest) {
+    if (text.empty()) return std::nullopt;
+    const auto factor = static_cast<std::uint64_t>(base);
+    std::uint64_t value = 0;
+    for (const char c : text) {
+        std::uint64_t digit = factor;
+        if (is_digit(c)) digit = static_cast<std::uint64_t>(c - '0');
+        if (c >= 'a' && c <= 'f') digit = static_cast<std::uint64_t>(c - 'a' + 10);
+        if (c >= 'A' && c <= 'F') digit = static_cast<std::uint64_t>(c - 'A' + 10);
+        if (digit >= factor || value > (highest - digit) / factor) return std::nullopt;
+        value = value * factor + digit;
+    }
+    return value;
+}
+
+/// `text` is a number with or without a fraction. Nothing where it is none, or is not a whole
+/// number of nanoseconds, or too many.
+std::optional<std::uint64_t> parse_nanoseconds(std::string_view text, std::uint64_t unit) {
+    const std::string_view whole = take_digits(text);
+    const auto value = parse_number(whole, 10, FaultTime::highest_nanoseconds / unit);
+    if (!value) return std::nullopt;
+    std::uint64_t nanoseconds = *value * unit;
+    if (text.empty()) return nanoseconds;
+    text.remove_prefix(1);
+    if (text.empty()) return std::nullopt;
+    for (const char digit : text) {
+        if (unit % 10 != 0 || !is_digit(digit)) return std::nullopt;
+        unit /= 10;
+        nanoseconds += unit * static_cast<std::uint64_t>(digit - '0');
+    }
+    if (nanoseconds > FaultTime::highest_nanoseconds) return std::nullopt;
+    return nanoseconds;
+}
+
+/// 0.001, 1e-3 and 2.5e-4, above 0 and up to 1: times 2 to the 64.
+std::optional<std::uint64_t> parse_probability(std::string_view text) {
+    constexpr std::uint64_t most_digits = 18;  // a number of them is below 2 to the 60
+    const std::string_view whole = take_digits(text);
+    std::string_view fraction;
+    if (!text.empty() && text[0] == '.') {
+        text.remove_prefix(1);
+        fraction = take_digits(text);
+        if (fraction.empty()) return std::nullopt;
+    }
+    std::uint64_t exponent = 0;
+    if (!text.empty() && (text[0] == 'e' || text[0] == 'E')) {
+        if (text.size() < 2 || text[1] != '-') return std::nullopt;
+        const auto number = parse_number(text.substr(2), 10, most_digits);
+        if (!number) return std::nullopt;
+        exponent = *number;
+        text = {};
+    }
+    exponent += fraction.size();
+    if (whole.empty() || !text.empty() || exponent > most_digits) return std::nullopt;
+    std::uint64_t divisor = 1;
+    for (std::uint64_t i = 0; i < exponent; ++i) divisor *= 10;
+    std::uint64_t remainder = 0;
+    for (const std::string_view digits : {whole, fraction}) {
+        for (const char digit : digits) {
+            remainder = remainder * 10 + static_cast<std::uint64_t>(digit - '0');
+            if (remainder > divisor) return std::nullopt;
+        }
+    }
+    if (remainder == divisor) return UINT64_MAX;
+    std::uint64_t scaled = 0;
+    for (int bit = 0; bit < 64; ++bit) {
+        remainder *= 2;
+        scaled *= 2;
+        if (remainder >= divisor) {
+            remainder -= divisor;
+            ++scaled;
+        }
+    }
+    if (scaled == 0) return std::nullopt;
+    return scaled;
+}
+
+/// Reads one line. After the first failure nothing more is taken.
+class LineParser {
+  public:
+    LineParser(std::string_view line, std::size_t number, FaultScript& script, bool& has_seed)
+        : line_(line), number_(number), script_(script), has_seed_(has_seed) {}
+
+    /// Adds what the line says to the script.
+    std::optional<FaultScriptError> parse() {
+        if (split() && !tokens_.empty()) statement();
+        return std::move(error_);
+    }
+
+  private:
+    bool fail(std::size_t column, std::string message) {
+        if (!error_) error_ = FaultScriptError{number_, column, std::move(message)};
+        return false;
+    }
+    /// At the next token, or behind the last.
+    bool fail(std::string message) {
+        if (next_ == tokens_.size()) return fail(end_column_, std::move(message));
+        return fail(tokens_[next_].column, std::move(message));
+    }
+
+    bool split() {
+        std::size_t at = 0;
+        end_column_ = 1;
+        while (at < line_.size()) {
+            const char c = line_[at];
+            if (is_space(c)) {
+                ++at;
+                continue;
+            }
+            if (c == '#') break;
+            const std::size_t begin = at;
+            if (c == '"') {
+                const std::size_t end = line_.find('"', at + 1);
+                if (end == std::string_view::npos)
+                    return fail(at + 1, "write a \" at the end of the name");
+                if (end == at + 1) return fail(at + 1, "write a name between the quotes");
+                tokens_.push_back({line_.substr(at + 1, end - at - 1), begin + 1, true});
+                at = end + 1;
+            } else {
+                ++at;
+                while (c != ',' && at < line_.size() && !is_space(line_[at]) && line_[at] != ',' &&
+                       line_[at] != '#' && line_[at] != '"') {
+                    ++at;
+                }
+                tokens_.push_back({line_.substr(begin, at - begin), begin + 1, false});
+            }
+            end_column_ = at + 1;
+        }
+        return true;
+    }
+
+    const Token* peek() const { return next_ < tokens_.size() ? &tokens_[next_] : nullptr; }
+
+    /// Whether that word is next.
+    bool is_next(std::string_view word) const {
+        return peek() != nullptr && !peek()->quoted && peek()->text == word;
+    }
+    bool take(std::string_view word) {
+        if (!is_next(word)) return false;
+        ++next_;
+        return true;
+    }
+    /// A word without quotes; empty where there is none.
+    std::string_view word() const {
+        return peek() == nullptr || peek()->quoted ? std::string_view{} : peek()->text;
+    }
+
+    bool statement() {
+        if (take("seed")) return seed() && end();
+        Fault fault;
+        fault.line = number_;
+        if (take("at")) {
+            if (!at_time(fault) || !action(fault)) return false;
+        } else if (take("frame")) {
+            if (!in_frame(fault) || !action(fault)) return false;
+        } else if (take("bit-error-rate")) {
+            if (!bit_error_rate(fault)) return false;
+        } else {
+            return fail("write \"at\", \"frame\", \"bit-error-rate\" or \"seed\" here");
+        }
+        if (!end()) return false;
+        script_.faults.push_back(std::move(fault));
+        return true;
+    }
+
+    bool end() {
+        if (peek() == nullptr) return true;
+        return fail("write a # before a comment, and nothing else after the end of a fault");
+    }
+
+    bool seed() {
+        if (has_seed_) return fail(tokens_[0].column, "remove this: a script has one seed");
+        const auto value = parse_number(word(), 10, UINT64_MAX);
+        if (!value) return fail("write a whole number, at most 18446744073709551615");
+        ++next_;
+        has_seed_ = true;
+        script_.seed = *value;
+        return true;
+    }
+
+    bool at_time(Fault& fault) {
+        AtTime when;
+        if (!time(when.first)) return false;
+        if (take("every")) {
+            FaultTime period;
+            if (!positive_time(period)) return false;
+            when.period = period;
+        }
+        fault.trigger = when;
+        return true;
+    }
+
+    bool time(FaultTime& result) {
+        const std::string_view both = word();
+        const std::size_t letter = std::min(both.find_first_not_of("0123456789."), both.size());
+        std::string_view number = both.substr(0, letter);
+        std::string_view unit_name = both.substr(letter);
+        if (number.empty()) return fail("write a time here, such as 10ms, 2.5us or 20 bits");
+        if (unit_name.empty()) {
+            ++next_;
+            unit_name = word();
+        }
+        const Unit* unit = look_up(units, unit_name);
+        if (unit == nullptr) return fail("write a time with its unit: ns, us, ms, s or bits");
+        std::optional<std::uint64_t> amount;
+        if (unit->nanoseconds == 0) {
+            amount = parse_number(number, 10, FaultTime::highest_bits);
+            if (!amount) return fail("write a whole number of bits, at most 1000000000000");
+        } else {
+            amount = parse_nanoseconds(number, unit->nanoseconds);
+            if (!amount) {
+                return fail(
+                    "write a number with at most one point, whole in nanoseconds, at most "
+                    "1000000000s");
+            }
+        }
+        result = FaultTime{*amount, unit->nanoseconds == 0};
+        ++next_;
+        return true;
+    }
+
+    bool positive_time(FaultTime& result) {
+        const std::size_t begin = next_;
+        if (!time(result)) return false;
+        if (result.amount > 0) return true;
+        return fail(tokens_[begin].column, "write a time that is longer than 0");
+    }
+
+    bool in_frame(Fault& fault) {
+        InFrame when;
+        const bool has_id = !is_next("from") && !is_next("attempt") && !is_next("at");
+        if (has_id && !identifier(when)) return false;
+        if (take("from")) {
+            std::string sender;
+            if (!name(sender)) return false;
+            when.sender = std::move(sender);
+        }
+        if (take("attempt") && !attempts(when)) return false;
+        if (!take("at")) {
+            return fail(
+                when.last_attempt != UINT64_MAX ? "write \"at\" and a place in the frame here"
+                : when.sender
+                    ? "write \"attempt\" and a number, or \"at\" and a place in the frame here"
+                    : "write \"from\" and a node, \"attempt\" and a number, or \"at\" and a "
+                      "place in the frame here");
+        }
+        if (!place(when.place)) return false;
+        fault.trigger = std::move(when);
+        return true;
+    }
+
+    bool identifier(InFrame& when) {
+        std::string_view digits = word();
+        if (digits.starts_with("0x") || digits.starts_with("0X")) digits.remove_prefix(2);
+        when.extended = digits.size() == 8;
+        const auto id = parse_number(digits, 16, when.extended ? 0x1FFFFFFF : 0x7FF);
+        if (!id || (digits.size() != 3 && digits.size() != 8)) {
+            return fail(
+                "write an identifier of 3 hexadecimal digits (standard, up to 7FF) or 8 "
+                "(extended, up to 1FFFFFFF), or \"from\", \"attempt\" or \"at\"");
+        }
+        when.id = static_cast<std::uint32_t>(*id);
+        ++next_;
+        return true;
+    }
+
+    bool attempts(InFrame& when) {
+        const std::string_view text = word();
+        const std::size_t dots = text.find("..");
+        const std::string_view first = text.substr(0, std::min(dots, text.size()));
+        const std::string_view last =
+            dots == std::string_view::npos ? first : text.substr(dots + 2);
+        const auto from = parse_number(first, 10, UINT64_MAX - 1);
+        const auto to = parse_number(last, 10, UINT64_MAX - 1);
+        if (!from || !to || *from == 0 || *to < *from) {
+            return fail(
+                "write which attempt, counted from 1, such as 3, or from which to which, "
+                "such as 1..16");
+        }
+        when.first_attempt = *from;
+        when.last_attempt = *to;
+        ++next_;
+        return true;
+    }
+
+    bool place(FramePlace& result) {
+        const std::string_view text = word();
+        const std::size_t point = text.find('.');
+        const PlaceName* entry = look_up(places, text.substr(0, std::min(point, text.size())));
+        if (entry == nullptr) {
+            std::string known;
+            for (const PlaceName& each : places) {
+                if (!known.empty()) known += ", ";
+                known += each.text;
+                if (each.numbers > 0) known += ".N";
+            }
+            return fail("write a place in the frame here: " + known);
+        }
+        result.field = entry->field;
+        result.number = 1;
+        if (entry->numbers == 0) {
+            if (point != std::string_view::npos) {
+                return fail("write " + std::string{entry->text} +
+                            " without a number: it is one bit");
+            }
+        } else {
+            const auto number = point == std::string_view::npos
+                                    ? std::nullopt
+                                    : parse_number(text.substr(point + 1), 10, entry->numbers);
+            if (!number || *number == 0) {
+                return fail("write " + std::string{entry->text} + ".1 to " +
+                            std::string{entry->text} + "." + std::to_string(entry->numbers));
+            }
+            result.number = static_cast<std::uint16_t>(*number);
+        }
+        ++next_;
+        return true;
+    }
+
+    bool bit_error_rate(Fault& fault) {
+        const auto probability = parse_probability(word());
+        if (!probability) {
+            return fail(
+                "write a rate above 0 and up to 1, such as 1e-5 or 0.001, with at most 18 "
+                "digits after the point");
+        }
+        ++next_;
+        fault.trigger = AtRandom{*probability};
+        fault.kind = FaultKind::flip;
+        fault.duration = FaultTime{1, true};
+        return targets(fault.targets, true);
+    }
+
+    bool action(Fault& fault) {
+        const Keyword* keyword = look_up(actions, word());
+        if (keyword == nullptr) {
+            return fail(
+                "write what happens here: flip, dominant, recessive, stuck-dominant, cut-off "
+                "or reconnect");
+        }
+        ++next_;
+        fault.kind = keyword->kind;
+        const bool is_about_nodes =
+            fault.kind == FaultKind::cut_off || fault.kind == FaultKind::reconnect;
+        if (!targets(fault.targets, !is_about_nodes)) return false;
+        const bool is_one_bit = fault.kind == FaultKind::flip ||
+                                fault.kind == FaultKind::dominant ||
+                                fault.kind == FaultKind::recessive;
+        if (is_one_bit) fault.duration = FaultTime{1, true};
+        if (fault.kind == FaultKind::reconnect || !take("for")) return true;
+        FaultTime duration;
+        if (!positive_time(duration)) return false;
+        fault.duration = duration;
+        return true;
+    }
+
+    bool targets(FaultTargets& result, bool wire_allowed) {
+        if (is_next("wire")) {
+            if (!wire_allowed) return fail("write which nodes, not the wire");
+            ++next_;
+            result.scope = FaultTargets::Scope::wire;
+            return true;
+        }
+        if (take("each-node")) {
+            result.scope = FaultTargets::Scope::each_node;
+            return true;
+        }
+        result.scope = FaultTargets::Scope::named;
+        do {
+            std::string node;
+            if (!name(node)) return false;
+            result.names.push_back(std::move(node));
+        } while (take(","));
+        return true;
+    }
+
+    bool name(std::string& result) {
+        const bool is_reserved =
+            std::find(reserved.begin(), reserved.end(), word()) != reserved.end();
+        if (peek() == nullptr || is_next(",") || is_reserved) {
+            return fail(is_reserved ? "write a node's name here (in quotes if that is its name)"
+                                    : "write a node's name here");
+        }
+        result = std::string{peek()->text};
+        ++next_;
+        return true;
+    }
+
+    std::string_view line_;
+    std::size_t number_;
+    FaultScript& script_;
+    bool& has_seed_;
+    std::vector<Token> tokens_;
+    std::size_t next_ = 0;
+    std::size_t end_column_ = 1;
+    std::optional<FaultScriptError> error_;
+};
+
+}  // namespace
+
+Duration FaultTime::at(std::uint32_t bitrate) const {
+    std::uint64_t nanoseconds = amount;
+    if (in_bits) nanoseconds = amount / bitrate * second + amount % bitrate * second / bitrate;
+    return Duration{static_cast<Duration::rep>(nanoseconds)};
+}
+
+std::string format(const FaultScriptError& error) {
+    return std::to_string(error.line) + ":" + std::to_string(error.column) + ": " + error.message;
+}
+
+Result<FaultScript, std::vector<FaultScriptError>> parse_fault_script(std::string_view text) {
+    FaultScript script;
+    std::vector<FaultScriptError> errors;
+    bool has_seed = false;
+    for (std::size_t number = 1; !text.empty() && errors.size() < max_fault_script_errors;
+         ++number) {
+        const std::size_t end = std::min(text.find('\n'), text.size());
+        std::string_view line = text.substr(0, end);
+        text.remove_prefix(std::min(end + 1, text.size()));
+        if (line.ends_with('\r')) line.remove_suffix(1);
+        LineParser parser{line, number, script, has_seed};
+        if (auto error = parser.parse()) errors.push_back(std::move(*error));
+    }
+    if (!errors.empty()) return Failure{std::move(errors)};
+    return script;
+}
+
+}  // namespace canorb::can::sim
