@@ -1,157 +1,149 @@
 #include "orb/can/sim/bus.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cassert>
-#include <tuple>
 #include <utility>
-
-#include "orb/can/frame_length.hpp"
 
 namespace canorb::can::sim {
 namespace {
 
-constexpr std::uint32_t error_flag_bits = 6;
-constexpr std::uint32_t echoed_error_flag_bits = 12;  // a second node's flag begins at its end
-constexpr std::uint32_t error_delimiter_bits = 8;
+constexpr std::uint64_t nanoseconds = 1'000'000'000;
 constexpr std::uint32_t bits_after_ack_slot = 1 + 7;  // ACK delimiter, EOF
-constexpr std::uint64_t recovery_bits = 128 * 11;
-constexpr int error_weight = 8;
-constexpr int highest_active_count = 127;
-constexpr int highest_passive_count = 255;
-constexpr std::size_t basic_can_filters = 2;
+constexpr std::uint32_t bits_to_ack_slot = 2;         // after the CRC: its delimiter, the slot
 
-/// Of two frames with one arbitration field: whether `a` has the dominant bit where they first
-/// differ on the bus. DLC goes before the data, most significant bit first, and equal bits are
-/// stuffed alike.
-bool is_dominant(const Frame& a, const Frame& b) {
-    if (a.length != b.length) return a.length < b.length;
-    return std::lexicographical_compare(a.payload().begin(), a.payload().end(), b.payload().begin(),
-                                        b.payload().end());
-}
-
-/// Bits up to and including the first that differs.
-std::uint32_t bits_to_difference(const Frame& a, const Frame& b) {
-    const StuffedBits left = stuffed_bits(a);
-    const StuffedBits right = stuffed_bits(b);
-    std::size_t i = 0;
-    while (i < left.size && i < right.size && left.bits[i] == right.bits[i]) ++i;
-    return static_cast<std::uint32_t>(i + 1);
+std::uint32_t stuff_bits(const Frame& frame, const StuffedBits& bits) {
+    // SOF to CRC without data: 34 bits, or 54 of an extended frame.
+    const std::size_t plain = (frame.extended ? 54U : 34U) + 8 * frame.payload().size();
+    return static_cast<std::uint32_t>(bits.size - plain);
 }
 
 }  // namespace
 
-Bus::Node::Node(const NodeOptions& node_options, std::uint64_t attach_order)
-    : options(node_options), events(node_options.receive_capacity), order(attach_order) {
-    mailboxes.reserve(options.mailboxes);
-    filters.reserve(std::max(options.filter_list, basic_can_filters));
-}
-
-Bus::Bus(std::uint32_t bitrate, TimePoint start)
-    : bitrate_(bitrate), time_(start), busy_since_(start) {
+Bus::Bus(std::uint32_t bitrate, TimePoint start) : bitrate_(bitrate), time_(start), anchor_(start) {
     assert(bitrate >= lowest_bitrate && bitrate <= highest_bitrate);
 }
 
+// ---- nodes
+
 NodeIndex Bus::attach(const NodeOptions& options) {
     assert(options.mailboxes >= 1 && options.mailboxes <= 255);
-    auto free = std::find_if(nodes_.begin(), nodes_.end(),
-                             [](const std::optional<Node>& node) { return !node.has_value(); });
-    if (free == nodes_.end()) free = nodes_.emplace(nodes_.end());
-    free->emplace(options, ++order_);
-    return NodeIndex{static_cast<std::uint16_t>(free - nodes_.begin())};
+    fruitless_ = false;
+    if (idle_ && !jump_) settle_idle(time_);
+    auto free = std::find(nodes_.begin(), nodes_.end(), nullptr);
+    if (free == nodes_.end()) free = nodes_.insert(nodes_.end(), nullptr);
+    *free = std::make_unique<Node>(options, jump_ ? 0 : recessive_bits_);
+    rebuild_present();
+    const NodeIndex index{static_cast<std::uint16_t>(free - nodes_.begin())};
+    if (disturbance_ != nullptr) disturbance_->node_attached(index, options.name);
+    if (observer_ != nullptr) observer_->node_attached(index, options.name);
+    return index;
 }
 
-void Bus::detach(NodeIndex node) {
-    assert(static_cast<std::size_t>(node) < nodes_.size());
-    nodes_[static_cast<std::size_t>(node)].reset();
-}
-
-Bus::Node& Bus::at(NodeIndex node) {
-    assert(static_cast<std::size_t>(node) < nodes_.size());
-    assert(nodes_[static_cast<std::size_t>(node)].has_value());
-    return *nodes_[static_cast<std::size_t>(node)];
-}
-
-const Bus::Node& Bus::at(NodeIndex node) const {
-    assert(static_cast<std::size_t>(node) < nodes_.size());
-    assert(nodes_[static_cast<std::size_t>(node)].has_value());
-    return *nodes_[static_cast<std::size_t>(node)];
-}
-
-std::size_t Bus::free_mailboxes(const Node& node) const {
-    const std::size_t used = node.mailboxes.size() + node.events.results();
-    return used < node.options.mailboxes ? node.options.mailboxes - used : 0;
-}
-
-std::optional<SendError> Bus::submit(NodeIndex index, const Frame& frame,
-                                          TransmitHandle handle, SendOptions options) {
+void Bus::detach(NodeIndex index) {
     Node& node = at(index);
-    const std::uint32_t highest_id = frame.extended ? 0x1FFFFFFF : 0x7FF;
-    if (frame.fd || frame.error || frame.length > Frame::max_classic_payload ||
-        frame.id > highest_id || node.listen_only) {
-        return SendError::unsupported;
-    }
-    if (node.status.state == ControllerState::bus_off) return SendError::bus_off;
-    if (free_mailboxes(node) == 0) return SendError::full;
-    Mailbox mailbox;
-    mailbox.frame = frame;
-    mailbox.handle = handle;
-    mailbox.arbitration = arbitration_field(frame);
-    mailbox.length = frame_length(frame);
-    mailbox.one_shot = options.one_shot;
-    node.mailboxes.push_back(mailbox);
-    return std::nullopt;
-}
-
-bool Bus::fail(NodeIndex index, TransmitHandle handle) {
-    Node& node = at(index);
-    if (free_mailboxes(node) == 0) return false;
-    node.events.push(TransmitResult{handle, TransmitOutcome::failed, time_});
-    return true;
-}
-
-void Bus::abort(NodeIndex index, TransmitHandle handle) {
-    Node& node = at(index);
-    for (std::size_t i = 0; i < node.mailboxes.size(); ++i) {
-        if (node.mailboxes[i].handle != handle) continue;
-        if (node.mailboxes[i].part == Part::waiting) {
-            finish(node, i, TransmitOutcome::aborted);
-        } else {
-            node.mailboxes[i].abort_requested = true;
-        }
-        return;
+    fruitless_ = false;
+    const bool in_frame =
+        jump_ ? node.processor.takes_part() : !idle_ && !node.processor.is_between_frames();
+    if (in_frame) {
+        node.leave();
+    } else {
+        remove(static_cast<std::size_t>(index));
     }
 }
 
-bool Bus::set_filters(NodeIndex index, std::span<const Filter> filters) {
-    Node& node = at(index);
-    const std::size_t room =
-        node.options.filter_list == 0 ? basic_can_filters : node.options.filter_list;
-    if (filters.size() > room) return false;
-    node.filters.assign(filters.begin(), filters.end());
-    return true;
+void Bus::remove(std::size_t index) {
+    nodes_[index] = nullptr;
+    rebuild_present();
+    const NodeIndex node{static_cast<std::uint16_t>(index)};
+    if (planned_ == node) planned_.reset();
+    if (disturbance_ != nullptr) disturbance_->node_detached(node);
+    if (observer_ != nullptr) observer_->node_detached(node);
 }
 
-void Bus::set_listen_only(NodeIndex index, bool on) {
-    Node& node = at(index);
-    node.listen_only = on;
-    if (!on) return;
-    for (std::size_t i = 0; i < node.mailboxes.size();) {
-        if (node.mailboxes[i].part == Part::waiting) {
-            finish(node, i, TransmitOutcome::aborted);
-        } else {
-            node.mailboxes[i++].abort_requested = true;
-        }
+void Bus::rebuild_present() {
+    present_.clear();
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        if (nodes_[i]) present_.push_back(i);
     }
+    driven_.assign(nodes_.size(), 1);
+    wire_.assign(nodes_.size(), 1);
+    seen_.assign(nodes_.size(), 1);
+}
+
+Node& Bus::at(NodeIndex node) {
+    const auto index = static_cast<std::size_t>(node);
+    assert(index < nodes_.size() && nodes_[index] && !nodes_[index]->leaving);
+    return *nodes_[index];
+}
+
+const Node& Bus::at(NodeIndex node) const {
+    const auto index = static_cast<std::size_t>(node);
+    assert(index < nodes_.size() && nodes_[index] && !nodes_[index]->leaving);
+    return *nodes_[index];
+}
+
+std::optional<SendError> Bus::submit(NodeIndex node, const Frame& frame, TransmitHandle handle,
+                                     SendOptions options) {
+    fruitless_ = false;
+    return at(node).submit(frame, handle, options);
+}
+
+bool Bus::fail(NodeIndex node, TransmitHandle handle) {
+    return at(node).fail(handle, time_);
+}
+
+void Bus::abort(NodeIndex node, TransmitHandle handle) {
+    fruitless_ = false;
+    at(node).abort(handle, time_);
+}
+
+bool Bus::set_filters(NodeIndex node, std::span<const Filter> filters) {
+    return at(node).set_filters(filters);
+}
+
+void Bus::set_listen_only(NodeIndex node, bool on) {
+    fruitless_ = false;
+    at(node).set_listen_only(on, time_);
 }
 
 void Bus::recover(NodeIndex index) {
     Node& node = at(index);
-    if (node.status.state != ControllerState::bus_off || node.recovered_at != never) return;
-    node.recovered_at = time_ + span(recovery_bits);
+    fruitless_ = false;
+    if (jump_) {
+        if (node.processor.status().state == ControllerState::bus_off &&
+            !node.processor.is_recovering()) {
+            node.processor.recover(false);
+            node.recover_bit = bits_within(time_ - anchor_);
+            if (time_of(*node.recover_bit) < time_) ++*node.recover_bit;
+        }
+        return;
+    }
+    if (idle_) {
+        settle_idle(time_);
+        // Without anybody who counts bits they have no phase.
+        const bool counted = std::any_of(present_.begin(), present_.end(), [this](std::size_t i) {
+            const BitStreamProcessor& processor = nodes_[i]->processor;
+            return processor.bits_to_start().value_or(0) > 0 || processor.is_recovering();
+        });
+        if (!counted) move_grid_to(time_);
+        node.processor.recover(time_of(bit_) < time_);
+    } else {
+        node.processor.recover(bit_begun_);
+    }
 }
 
-ErrorStatus Bus::error_status(NodeIndex node) const {
-    return at(node).status;
+ErrorStatus Bus::error_status(NodeIndex index) const {
+    const Node& node = at(index);
+    ErrorStatus status = node.processor.status();
+    if (jump_ && status.rec > 0 && node.processor.takes_part() &&
+        !node.processor.is_listen_only() &&
+        time_ >= time_of(jump_->end_bit - bits_after_ack_slot)) {
+        const Node::Mailbox* mailbox = node.on_bus();
+        const bool sends = mailbox != nullptr && mailbox->arbitration == jump_->arbitration;
+        if (!sends) --status.rec;  // rule 8 counts at the ACK slot
+    }
+    return status;
 }
 
 Capabilities Bus::capabilities(NodeIndex index) const {
@@ -170,257 +162,345 @@ std::optional<ControllerEvent> Bus::poll(NodeIndex node) {
     return at(node).events.pop();
 }
 
-const EventQueue& Bus::events(NodeIndex node) const {
-    return at(node).events;
+BusStatistics Bus::statistics() const {
+    BusStatistics statistics = statistics_;
+    if (jump_) {
+        const std::uint64_t over = std::min(bits_within(time_ - anchor_), jump_->end_bit);
+        statistics.busy_bits += over - bit_;
+    } else if (idle_) {
+        const std::uint64_t over = bits_within(time_ - anchor_);
+        int intermission = 0;
+        for (const std::size_t i : present_) {
+            intermission = std::max(intermission, nodes_[i]->processor.intermission_left());
+        }
+        statistics.busy_bits += std::min<std::uint64_t>(over - std::min(over, bit_),
+                                                        static_cast<std::uint64_t>(intermission));
+    }
+    return statistics;
 }
 
-/// The frame with which a node would take part in an arbitration.
-const Bus::Mailbox* Bus::candidate(const Node& node) {
-    if (!takes_part(node)) return nullptr;
-    const Mailbox* lowest = nullptr;
-    for (const Mailbox& mailbox : node.mailboxes) {
-        if (lowest == nullptr || mailbox.arbitration < lowest->arbitration) lowest = &mailbox;
+void Bus::set_disturbance(Disturbance* disturbance) {
+    disturbance_ = disturbance;
+    if (disturbance == nullptr) return;
+    for (const std::size_t i : present_) {
+        disturbance->node_attached(NodeIndex{static_cast<std::uint16_t>(i)},
+                                   nodes_[i]->options.name);
     }
-    return lowest;
+    if (!idle_) look_for_disturbance();
 }
+
+void Bus::set_bit_observer(BitObserver* observer) {
+    observer_ = observer;
+    if (observer == nullptr) return;
+    for (const std::size_t i : present_) {
+        observer->node_attached(NodeIndex{static_cast<std::uint16_t>(i)}, nodes_[i]->options.name);
+    }
+}
+
+// ---- time
 
 Duration Bus::span(std::uint64_t bits) const {
-    return Duration{static_cast<Duration::rep>(bits * 1'000'000'000U / bitrate_)};
+    // In two parts, so that no product is too large.
+    const std::uint64_t seconds = bits / bitrate_;
+    return Duration{static_cast<Duration::rep>(seconds * nanoseconds +
+                                               bits % bitrate_ * nanoseconds / bitrate_)};
 }
 
-TimePoint Bus::free_at() const {
-    return busy_since_ + span(busy_bits_);
+TimePoint Bus::time_of(std::uint64_t bit) const {
+    return anchor_ + span(bit);
+}
+
+/// The most bits that span() makes no longer than `duration`.
+std::uint64_t Bus::bits_within(Duration duration) const {
+    if (duration < Duration::zero()) return 0;
+    const auto count = static_cast<std::uint64_t>(duration.count());
+    return count / nanoseconds * bitrate_ +
+           ((count % nanoseconds + 1) * bitrate_ - 1) / nanoseconds;
+}
+
+std::uint64_t Bus::bit_at(TimePoint time) const {
+    return bits_within(time - anchor_);
+}
+
+// ---- between frames
+
+/// Lets whole bits pass that are recessive for all.
+void Bus::settle_idle(TimePoint to) {
+    const std::uint64_t over = bit_at(to);
+    if (over <= bit_) return;
+    const std::uint64_t bits = over - bit_;
+    bit_ = over;
+    recessive_bits_ += bits;
+    int intermission = 0;
+    for (const std::size_t i : present_) {
+        Node& node = *nodes_[i];
+        intermission = std::max(intermission, node.processor.intermission_left());
+        if (node.processor.skip_recessive(bits) != 0) node.tell_status(to);
+    }
+    statistics_.busy_bits += std::min(bits, static_cast<std::uint64_t>(intermission));
+}
+
+/// Bits are counted from `start` on.
+void Bus::move_grid_to(TimePoint start) {
+    if (time_of(bit_) == start) return;
+    anchor_ = start;
+    bit_ = 0;
 }
 
 TimePoint Bus::next_recovery() const {
     TimePoint earliest = never;
-    for (const auto& node : nodes_) {
-        if (node) earliest = std::min(earliest, node->recovered_at);
+    for (const std::size_t i : present_) {
+        const auto bits = nodes_[i]->processor.bits_to_recovery();
+        if (bits) earliest = std::min(earliest, time_of(bit_ + *bits));
     }
     return earliest;
 }
 
-std::optional<Bus::Attempt> Bus::next_attempt() const {
-    const Mailbox* winner = nullptr;  // of the frames that win, the most dominant
-    NodeIndex sender{};
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-        if (!nodes_[i]) continue;
-        const Mailbox* mailbox = candidate(*nodes_[i]);
-        if (mailbox == nullptr) continue;
-        if (winner == nullptr || mailbox->arbitration < winner->arbitration ||
-            (mailbox->arbitration == winner->arbitration &&
-             is_dominant(mailbox->frame, winner->frame))) {
-            winner = mailbox;
-            sender = NodeIndex{static_cast<std::uint16_t>(i)};
+TimePoint Bus::next_start() const {
+    TimePoint earliest = never;
+    for (const std::size_t i : present_) {
+        if (!nodes_[i]->has_mail()) continue;
+        const auto bits = nodes_[i]->processor.bits_to_start();
+        if (bits) earliest = std::min(earliest, std::max(time_, time_of(bit_ + *bits)));
+    }
+    return earliest;
+}
+
+TimePoint Bus::next_disturbance() const {
+    return disturbance_ == nullptr ? never : disturbance_->next(std::max(time_, time_of(bit_)));
+}
+
+bool Bus::would_start(const Node& node, TimePoint start, bool idle) const {
+    if (!node.has_mail()) return false;
+    if (!idle) return node.processor.may_start();
+    const auto bits = node.processor.bits_to_start();
+    return bits && time_of(bit_ + *bits) <= start;
+}
+
+Bus::Plan Bus::plan(TimePoint start, bool idle) const {
+    Plan plan;
+    plan.start = start;
+    for (const std::size_t i : present_) {
+        if (!would_start(*nodes_[i], start, idle)) continue;
+        const Node::Mailbox* mailbox = nodes_[i]->candidate();
+        if (plan.winner == nullptr || mailbox->arbitration < plan.winner->arbitration) {
+            plan.winner = mailbox;
+            plan.sender = NodeIndex{static_cast<std::uint16_t>(i)};
         }
     }
-    if (winner == nullptr) return std::nullopt;
+    if (plan.winner == nullptr) return plan;
 
-    std::size_t nodes = 0;
     bool acknowledged = false;
-    bool collision = false;         // some frame differs
-    bool active_collision = false;  // and its sender is error active
-    bool worth_repeating = false;   // an unacknowledged attempt changes something
-    std::uint32_t intact_bits = winner->length;
-    for (const auto& node : nodes_) {
-        if (!node || !takes_part(*node)) continue;
-        if (!node->listen_only) ++nodes;
-        const Mailbox* mailbox = candidate(*node);
-        if (mailbox == nullptr || mailbox->arbitration != winner->arbitration) {
-            acknowledged = acknowledged || !node->listen_only;
+    bool same = true;     // frames with the winner's arbitration field are the winner's
+    bool orderly = true;  // everybody else is ready for a frame, with counters that need no care
+    bool alone = true;    // only its senders are on the bus, and no attempt changes them
+    for (const std::size_t i : present_) {
+        const Node& node = *nodes_[i];
+        const BitStreamProcessor& processor = node.processor;
+        if (processor.status().state == ControllerState::bus_off) {
+            alone = alone && !processor.is_recovering();
             continue;
         }
-        const bool is_active = node->status.state == ControllerState::error_active;
-        worth_repeating = worth_repeating || is_active || mailbox->one_shot;
-        if (mailbox->frame == winner->frame) continue;
-        collision = true;
-        if (!is_active) continue;
-        active_collision = true;
-        intact_bits = std::min(intact_bits, bits_to_difference(winner->frame, mailbox->frame));
+        const auto bits = processor.bits_to_start();
+        const bool joins_later =
+            idle && processor.is_integrating() && (!bits || time_of(bit_ + *bits) > start);
+        if (joins_later) {
+            alone = false;
+            continue;
+        }
+        const auto intermission = static_cast<std::uint64_t>(processor.intermission_left());
+        orderly = orderly && processor.is_predictable() && processor.is_between_frames() &&
+                  (intermission == 0 || time_of(bit_ + intermission) <= start);
+        const Node::Mailbox* mailbox = would_start(node, start, idle) ? node.candidate() : nullptr;
+        if (mailbox == nullptr || mailbox->arbitration != plan.winner->arbitration) {
+            if (mailbox != nullptr) ++plan.losers;
+            acknowledged = acknowledged || !processor.is_listen_only();
+            alone = false;
+            continue;
+        }
+        same = same && mailbox->frame == plan.winner->frame;
+        alone = alone && !mailbox->one_shot && !mailbox->abort_requested &&
+                processor.status().state == ControllerState::error_passive;
     }
-    if (!acknowledged && !collision && !worth_repeating) return std::nullopt;
-
-    Attempt attempt;
-    attempt.frame = winner->frame;
-    attempt.arbitration = winner->arbitration;
-    attempt.sender = sender;
-    const std::uint32_t flag_bits = nodes > 1 ? echoed_error_flag_bits : error_flag_bits;
-    if (active_collision) {
-        attempt.fate = Fate::collided;
-        attempt.bits = intact_bits + flag_bits + error_delimiter_bits + intermission_bits;
-    } else if (!acknowledged) {
-        attempt.fate = Fate::unacknowledged;
-        attempt.bits = winner->length - bits_after_ack_slot + flag_bits + error_delimiter_bits;
-    } else {
-        attempt.fate = Fate::sent;
-        attempt.bits = winner->length;
+    plan.predictable = acknowledged && same && orderly && idle;
+    plan.fruitless = alone && same && orderly && idle;
+    if (plan.predictable) {
+        plan.quiet_bits = static_cast<std::uint32_t>(plan.winner->bits.size) + frame_tail_bits;
+    } else if (same && orderly && idle) {
+        plan.quiet_bits = static_cast<std::uint32_t>(plan.winner->bits.size) + bits_to_ack_slot;
     }
-    attempt.start = std::max(free_at(), time_);
-    const bool back_to_back = attempt.start == free_at();
-    const TimePoint since = back_to_back ? busy_since_ : attempt.start;
-    const std::uint64_t before = back_to_back ? busy_bits_ : 0;
-    attempt.end = since + span(before + attempt.bits - intermission_bits);
-    return attempt;
+    return plan;
 }
 
-void Bus::begin(const Attempt& attempt) {
-    if (attempt.start != free_at()) {
-        busy_since_ = attempt.start;
-        busy_bits_ = 0;
+bool Bus::step_idle(TimePoint to) {
+    const TimePoint recovery = next_recovery();
+    const TimePoint start = next_start();
+    TimePoint disturbed = next_disturbance();
+    if (disturbed != never) {  // the bit that it is in
+        disturbed = time_of(std::max(bit_, bit_at(disturbed)));
     }
-    busy_bits_ += attempt.bits;
-    if (busy_bits_ >= bitrate_) {  // a second's worth of bits is exactly a second
-        busy_since_ += std::chrono::seconds{1};
-        busy_bits_ -= bitrate_;
+    if (recovery <= std::min(start, disturbed)) {
+        if (recovery == never || recovery > to) return false;
+        settle_idle(recovery);
+        time_ = recovery;
+        return true;
     }
-    on_bus_ = attempt;
-    on_bus_->order = ++order_;
-    for (auto& node : nodes_) {
-        if (!node) continue;
-        const Mailbox* chosen = candidate(*node);
-        if (chosen == nullptr) continue;
-        Mailbox& mailbox = node->mailboxes[static_cast<std::size_t>(chosen - &node->mailboxes[0])];
-        if (mailbox.arbitration != attempt.arbitration) {
-            if (mailbox.one_shot) mailbox.part = Part::lost_one_shot;
-        } else if (attempt.fate == Fate::collided || mailbox.frame == attempt.frame) {
-            mailbox.part = Part::sending;
+    if (disturbed < start) {
+        if (disturbed >= to) return false;
+        settle_idle(disturbed);
+        enter_bits();
+        return true;
+    }
+    // At its very start others may still join in.
+    if (start >= to) return false;
+    begin_frame(start, to);
+    return true;
+}
+
+void Bus::begin_frame(TimePoint start, TimePoint to) {
+    settle_idle(start);
+    move_grid_to(start);
+    const Plan next = plan(start, true);
+    bool disturbed = false;
+    if (disturbance_ != nullptr) {
+        const std::size_t length = next.winner->bits.size + frame_tail_bits + intermission_bits;
+        const PlannedFrame planned{next.winner->frame, next.sender, start, time_of(bit_ + length)};
+        disturbed = disturbance_->begin_frame(planned) || disturbance_->next(start) < planned.end;
+    }
+    if (next.predictable && !disturbed && observer_ == nullptr && fidelity_ == Fidelity::frames) {
+        begin_jump(next);
+        return;
+    }
+    if (next.fruitless && disturbance_ == nullptr && observer_ == nullptr &&
+        fidelity_ == Fidelity::frames) {
+        skip_fruitless(next, to);
+    }
+    enter_bits();
+    start_nodes(next, disturbed);
+    fruitless_ = next.fruitless && !disturbed;
+    quiet_until_ = disturbed ? 0 : bit_ + next.quiet_bits;
+    bit_begun_ = true;
+}
+
+/// Leaves out whole attempts that begin before `to`, all but the last.
+void Bus::skip_fruitless(const Plan& plan, TimePoint to) {
+    constexpr std::uint64_t passive_flag_and_delimiter = 6 + 8;
+    const std::uint64_t busy =
+        plan.winner->bits.size + bits_to_ack_slot + passive_flag_and_delimiter + intermission_bits;
+    const std::uint64_t period = busy + BitStreamProcessor::suspend_bits;
+    std::uint64_t begun = bit_at(to);
+    if (time_of(begun) < to) ++begun;
+    const std::uint64_t attempts = (begun - 1 - bit_) / period;
+    bit_ += attempts * period;
+    statistics_.busy_bits += attempts * busy;
+    statistics_.error_frames += attempts;
+    for (const std::size_t i : present_) {
+        Node& node = *nodes_[i];
+        if (would_start(node, plan.start, true)) node.statistics.errors += attempts;
+    }
+}
+
+// ---- a frame in one step
+
+void Bus::begin_jump(const Plan& plan) {
+    const Node::Mailbox& winner = *plan.winner;
+    Jump& jump = jump_.emplace();
+    jump.arbitration = winner.arbitration;
+    jump.end_bit = bit_ + winner.bits.size + frame_tail_bits;
+    jump.completed.frame = winner.frame;
+    jump.completed.start = plan.start;
+    jump.completed.time = time_of(jump.end_bit);
+    jump.completed.sender = plan.sender;
+    jump.completed.bits = static_cast<std::uint32_t>(jump.end_bit - bit_);
+    jump.completed.stuff_bits = stuff_bits(winner.frame, winner.bits);
+    jump.completed.lost_arbitrations = plan.losers;
+    for (const std::size_t i : present_) {
+        Node& node = *nodes_[i];
+        node.processor.begin_undisturbed();
+        if (would_start(node, plan.start, true)) node.begin(*node.candidate());
+    }
+}
+
+void Bus::end_jump() {
+    const Jump jump = *std::exchange(jump_, std::nullopt);
+    time_ = jump.completed.time;
+    statistics_.busy_bits += jump.end_bit - bit_;
+    ++statistics_.frames;
+    bit_ = jump.end_bit;
+    recessive_bits_ = bits_after_ack_slot;
+    if (trace_) trace_(jump.completed);
+    bool somebody_leaves = false;
+    for (const std::size_t i : present_) {
+        Node& node = *nodes_[i];
+        if (!node.processor.takes_part()) {
+            node.processor.end_undisturbed(false);
+            if (const auto from = std::exchange(node.recover_bit, std::nullopt)) {
+                const std::uint64_t bits = jump.end_bit - std::min(*from, jump.end_bit);
+                node.processor.recovered_for(
+                    static_cast<int>(std::min<std::uint64_t>(bits, bits_after_ack_slot)));
+            }
+            continue;
+        }
+        const Node::Mailbox* mailbox = node.on_bus();
+        const bool sends = mailbox != nullptr && mailbox->arbitration == jump.arbitration;
+        if (mailbox != nullptr && !sends) {
+            // The first bit of the arbitration fields that differs: an SJA1000 counts them alike.
+            node.lose(static_cast<std::uint8_t>(
+                std::countl_zero(mailbox->arbitration ^ jump.arbitration)));
+        }
+        const ControllerState before = node.processor.status().state;
+        node.processor.end_undisturbed(sends);
+        if (sends) {
+            node.end_sent(time_);
         } else {
-            mailbox.part = Part::outvoted;
+            node.end_received(jump.completed.frame, time_);
         }
+        if (node.processor.status().state != before) node.tell_status(time_);
+        somebody_leaves = somebody_leaves || node.leaving;
+    }
+    if (!somebody_leaves) return;
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        if (nodes_[i] && nodes_[i]->leaving) remove(i);
     }
 }
 
-void Bus::complete() {
-    const Attempt attempt = *std::exchange(on_bus_, std::nullopt);
-    time_ = attempt.end;
-    if (attempt.fate == Fate::sent && trace_) {
-        CompletedFrame completed;
-        completed.frame = attempt.frame;
-        completed.time = attempt.end;
-        completed.sender = attempt.sender;
-        trace_(completed);
-    }
-    for (auto& node : nodes_) {
-        if (!node || !takes_part(*node) || node->order > attempt.order) continue;
-        const auto busy =
-            std::find_if(node->mailboxes.begin(), node->mailboxes.end(),
-                         [](const Mailbox& mailbox) { return mailbox.part != Part::waiting; });
-        const bool is_receiver = busy == node->mailboxes.end() || busy->part == Part::lost_one_shot;
-        if (is_receiver) receive(*node, attempt);
-        if (busy != node->mailboxes.end()) {
-            settle(*node, static_cast<std::size_t>(busy - node->mailboxes.begin()), attempt.fate);
-        }
-    }
-}
-
-/// What the end of an attempt means for a mailbox that took part in it.
-void Bus::settle(Node& node, std::size_t index, Fate fate) {
-    Mailbox& mailbox = node.mailboxes[index];
-    const Part part = std::exchange(mailbox.part, Part::waiting);
-    if (part == Part::sending && fate == Fate::sent) {
-        finish(node, index, TransmitOutcome::sent);
-        count_errors(node, -1, 0);
-        return;
-    }
-    const bool is_error = part != Part::lost_one_shot;
-    const bool is_unheard = part == Part::sending && fate == Fate::unacknowledged;
-    const bool is_passive = node.status.state == ControllerState::error_passive;
-    if (mailbox.one_shot) {
-        finish(node, index, TransmitOutcome::failed);
-    } else if (mailbox.abort_requested) {
-        finish(node, index, TransmitOutcome::aborted);
-    }
-    if (is_error && !(is_unheard && is_passive)) count_errors(node, error_weight, 0);
-}
-
-void Bus::receive(Node& node, const Attempt& attempt) {
-    if (attempt.fate != Fate::sent) {
-        // A silent node counts nothing; without an acknowledging receiver there is no other.
-        if (!node.listen_only) count_errors(node, 0, 1);
-        return;
-    }
-    count_errors(node, 0, -1);
-    const bool accepted = std::any_of(node.filters.begin(), node.filters.end(),
-                                      [&](const Filter& f) { return f.accepts(attempt.frame); });
-    if (accepted) node.events.push(Received{attempt.frame, attempt.end});
-}
-
-void Bus::recover_nodes() {
-    for (auto& node : nodes_) {
-        if (!node || node->recovered_at > time_) continue;
-        node->recovered_at = never;
-        node->status = ErrorStatus{};
-        node->order = ++order_;  // a frame now on the bus passes it by
-        node->events.push(StateChanged{node->status, time_});
-    }
-}
-
-void Bus::finish(Node& node, std::size_t index, TransmitOutcome outcome) {
-    node.events.push(TransmitResult{node.mailboxes[index].handle, outcome, time_});
-    node.mailboxes.erase(node.mailboxes.begin() + static_cast<std::ptrdiff_t>(index));
-}
-
-void Bus::fail_all(Node& node) {
-    while (!node.mailboxes.empty()) finish(node, 0, TransmitOutcome::failed);
-}
-
-void Bus::count_errors(Node& node, int tec, int rec) {
-    ErrorStatus& status = node.status;
-    const auto add = [](int counter, int change) {
-        // A good frame brings a counter above the passive limit back to it at once.
-        if (change < 0 && counter > highest_active_count + 1) return highest_active_count;
-        return std::max(counter + change, 0);
-    };
-    const int new_tec = std::max(status.tec + tec, 0);
-    const int new_rec =
-        rec == 0 ? status.rec : std::min(add(status.rec, rec), highest_passive_count);
-    status.tec = static_cast<std::uint16_t>(new_tec);
-    status.rec = static_cast<std::uint16_t>(new_rec);
-    const ControllerState before = status.state;
-    if (new_tec > highest_passive_count) {
-        status.state = ControllerState::bus_off;
-    } else if (new_tec > highest_active_count || new_rec > highest_active_count) {
-        status.state = ControllerState::error_passive;
-    } else {
-        status.state = ControllerState::error_active;
-    }
-    if (status.state == before) return;
-    node.events.push(StateChanged{status, time_});
-    if (status.state == ControllerState::bus_off) fail_all(node);
-}
+// ---- moving on
 
 TimePoint Bus::next_event() const {
-    TimePoint event = next_recovery();
-    if (on_bus_) {
-        event = std::min(event, on_bus_->end);
-    } else if (const auto attempt = next_attempt()) {
-        event = std::min(event, attempt->end);
+    if (jump_) return jump_->completed.time;
+    if (!idle_) {
+        if (fruitless_) return never;
+        return time_of(std::max(quiet_until_, bit_ + 1));
     }
-    return event;
+    TimePoint event = next_recovery();
+    const auto end_of_first_bit = [this](TimePoint start) {
+        const std::uint64_t bit = bit_at(start);
+        return time_of(bit) == start ? time_of(bit + 1) : start + span(1);
+    };
+    if (const TimePoint disturbed = next_disturbance(); disturbed != never) {
+        event = std::min(event, time_of(std::max(bit_, bit_at(disturbed)) + 1));
+    }
+    const TimePoint start = next_start();
+    if (start == never || start >= event) return event;
+    const Plan next = plan(start, true);
+    if (next.fruitless && disturbance_ == nullptr) return event;
+    if (disturbance_ != nullptr || next.quiet_bits <= 1) {
+        return std::min(event, end_of_first_bit(start));
+    }
+    const std::uint64_t bit = bit_at(start);
+    return std::min(event, time_of(bit) == start ? time_of(bit + next.quiet_bits)
+                                                 : start + span(next.quiet_bits));
 }
 
 void Bus::advance(TimePoint to) {
     if (to < time_) return;
     while (true) {
-        const TimePoint recovery = next_recovery();
-        if (on_bus_) {
-            if (std::min(on_bus_->end, recovery) > to) break;
-            if (on_bus_->end <= recovery) {
-                complete();
-                continue;
-            }
-        } else if (const auto attempt = next_attempt()) {
-            // At its very start others may still join in.
-            if (attempt->start < std::min(to, recovery)) {
-                begin(*attempt);
-                continue;
-            }
-            if (recovery > to) break;
-        } else if (recovery > to) {
+        if (jump_) {
+            if (jump_->completed.time > to) break;
+            end_jump();
+        } else if (!(idle_ ? step_idle(to) : step_bits(to))) {
             break;
         }
-        time_ = recovery;
-        recover_nodes();
     }
     time_ = to;
 }

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -12,72 +12,18 @@
 #include "orb/can/controller.hpp"
 #include "orb/can/frame.hpp"
 #include "orb/can/sim/bit_observer.hpp"
+#include "orb/can/sim/bus_types.hpp"
 #include "orb/can/sim/disturbance.hpp"
-#include "orb/can/sim/error_capture.hpp"
 #include "orb/can/sim/event_queue.hpp"
-#include "orb/can/sim/node_index.hpp"
+#include "orb/can/sim/node.hpp"
 
 namespace canorb::can::sim {
 
-/// What a node's controller is like.
-struct NodeOptions {
-    std::size_t mailboxes = 8;           ///< 1..255
-    std::size_t receive_capacity = 512;  ///< received frames held for the reader; more are lost
-    /// Exact filters, or 0 for a BasicCAN controller with two mask-and-match registers.
-    std::size_t filter_list = 32;
-    /// Leaves bus-off by itself, without recover().
-    bool automatic_recovery = false;
-    std::string name{};  ///< for recordings and fault scripts
-};
-
-/// A frame that was sent and acknowledged.
-struct CompletedFrame {
-    Frame frame;
-    TimePoint start;         ///< SOF
-    TimePoint time;          ///< end of EOF
-    NodeIndex sender;        ///< the lowest one, where several sent the same frame as one
-    std::uint32_t bits = 0;  ///< SOF to the end of EOF, with stuff bits
-    std::uint32_t stuff_bits = 0;
-    std::uint32_t lost_arbitrations = 0;  ///< nodes that began a frame at the same time and lost
-};
-
-/// A node detected an error.
-struct NodeError {
-    TimePoint time;  ///< end of the bit at which it did
-    NodeIndex node{};
-    ErrorCapture capture;
-    ErrorStatus status;    ///< after it was counted
-    bool primary = false;  ///< the first of one disturbance; the others follow from its error flag
-};
-
-/// What a node has done since it was attached.
-struct NodeStatistics {
-    std::uint64_t sent = 0;      ///< frames, acknowledged
-    std::uint64_t received = 0;  ///< valid frames of others, whatever its filters
-    std::uint64_t lost_arbitrations = 0;
-    std::uint64_t errors = 0;  ///< detected by it
-    /// Where it lost an arbitration last, as an SJA1000 counts: 0..10 identifier bits 28..18 (or
-    /// 10..0 of a standard one), 11 SRR or RTR, 12 IDE, 13..30 identifier bits 17..0, 31 RTR of an
-    /// extended frame.
-    std::optional<std::uint8_t> arbitration_lost_at;
-    std::optional<ErrorCapture> last_error;
-};
-
-/// How full a bus was since it began. Busy is each bit from SOF to the end of the intermission.
-struct BusStatistics {
-    std::uint64_t busy_bits = 0;
-    std::uint64_t frames = 0;        ///< sent and acknowledged
-    std::uint64_t error_frames = 0;  ///< disturbances, however many nodes saw them
-};
-
-/// How a bus simulates frames that nothing disturbs. All that can be observed is the same.
-enum class Fidelity : std::uint8_t {
-    frames,  ///< in one step each; a disturbed one, or with an observer every one, in bits
-    bits,    ///< always bit by bit
-};
-
-/// A CAN bus that arbitrates frame by frame, in its own time. A frame takes its exact length in
-/// bits (stuff bits and intermission included); what happens inside a frame is not simulated.
+/// A CAN bus in its own time: ISO 11898-1's rules, bit by bit, for classic frames.
+///
+/// Each node is a BitStreamProcessor; the bus is the wired AND of what they drive. A frame that
+/// nothing disturbs and somebody acknowledges is simulated in one step, with the same order, time
+/// stamps and counters; Fidelity, a BitObserver or a Disturbance make it bits.
 ///
 /// Time: everything happens at now(). Whoever owns the bus moves it with advance() or
 /// advance_one(), and does so *before* letting nodes act at a moment:
@@ -90,25 +36,18 @@ enum class Fidelity : std::uint8_t {
 /// Two nodes that submit at the same now() on an idle bus arbitrate, whoever came first: a frame's
 /// SOF is at that moment, but the winner is decided when time moves on.
 ///
-/// Rules:
-/// * The lowest arbitration field of the waiting frames wins (a standard frame before an extended
-///   one with the same base identifier, data before remote). Within a node equal identifiers leave
-///   in the order of submit().
-/// * Time stamps are the end of EOF. The bus is free 3 bit times after that. Bit times are counted,
-///   not added up: no rounding error grows.
-/// * Two nodes with the same arbitration field at the same moment: the same frame is sent as one
-///   and both succeed. Different frames differ in DLC or data: those that send the recessive bit
-///   there see a bit error. While one of these is error active its error flag destroys the attempt,
-///   every sender's TEC grows by 8, every receiver's REC by 1, and all try again; when they are all
-///   error passive the dominant frame passes and only their own TEC grows. So a collision costs 16
-///   attempts, and repeated ones drive the senders to bus-off (TEC above 255).
-/// * Without an acknowledging node (attached since before SOF, not listen-only, not bus-off) an
-///   attempt fails and TEC grows by 8, up to 128: error passive, not bus-off. Then the frame waits,
-///   without further attempts being simulated, until there is somebody to acknowledge it.
-/// * A failed attempt takes the time to the error and an error frame; its flags take 12 bit times,
-///   or 6 where there is no second node.
-/// * Bus-off fails all of the node's transmissions. recover() takes 128 times 11 bit times,
-///   whatever the traffic.
+/// Rules besides those of the standard:
+/// * The lowest arbitration field of a node's waiting frames goes first (a standard frame before an
+///   extended one with the same base identifier, data before remote); equal ones leave in the order
+///   of submit(). The choice is made at each SOF.
+/// * Time stamps are the end of EOF, for the receivers as well; at that moment the filters decide.
+///   Bit times are counted, not added up: no rounding error grows.
+/// * What is asked for during a frame in which a node takes part (abort, listen-only, detach) shows
+///   at the frame's end.
+/// * Bits have no phase on an idle bus: a SOF begins when a frame is submitted.
+/// * A node that is attached has been watching the bus before: it takes part as soon as there have
+///   been 11 recessive bits.
+/// * Bus-off fails all of the node's transmissions.
 /// * A mailbox is free again when its TransmitResult has been taken with poll(), so nothing here
 ///   grows without bound.
 ///
@@ -116,10 +55,10 @@ enum class Fidelity : std::uint8_t {
 /// attached is a programming error.
 class Bus {
   public:
-    static constexpr std::uint32_t lowest_bitrate = 10'000;
+    static constexpr std::uint32_t lowest_bitrate = 5'000;
     static constexpr std::uint32_t highest_bitrate = 1'000'000;
 
-    /// `bitrate` in bit/s, 10 000 to 1 000 000. `start` is now() at first.
+    /// `bitrate` in bit/s, 5 000 to 1 000 000. `start` is now() at first.
     explicit Bus(std::uint32_t bitrate, TimePoint start = TimePoint{});
 
     std::uint32_t bitrate() const { return bitrate_; }
@@ -129,7 +68,7 @@ class Bus {
     /// bus passes it by.
     NodeIndex attach(const NodeOptions& options = {});
 
-    /// The node goes. Its frame on the bus, if any, still goes out; its waiting ones do not.
+    /// The node goes, at the end of the frame that is on the bus; what waits in it is withdrawn.
     void detach(NodeIndex node);
 
     /// Hands a frame over at now(). `handle` is the caller's name for it, unused until its
@@ -150,11 +89,15 @@ class Bus {
     Capabilities capabilities(NodeIndex node) const;
 
     std::optional<ControllerEvent> poll(NodeIndex node);
-    const EventQueue& events(NodeIndex node) const;
+    const EventQueue& events(NodeIndex node) const { return at(node).events; }
+    const std::string& name(NodeIndex node) const { return at(node).options.name; }
+    const NodeStatistics& statistics(NodeIndex node) const { return at(node).statistics; }
+    BusStatistics statistics() const;
 
-    /// When something happens next if nobody submits anything until then: the end of the frame
-    /// on the bus or of the one that would win now, or the end of a bus-off recovery; `never` when
-    /// the bus is quiet.
+    /// No event comes before this moment if nobody does anything until then; `never` when the bus
+    /// is quiet. Mostly there is one at it. Of frames that are disturbed it may be the next bit,
+    /// with nothing to tell. A frame that is repeated without end because nobody is there to
+    /// acknowledge it is quiet.
     TimePoint next_event() const;
 
     /// Completes, in order, everything that ends at or before `to`; now() is `to` then. Going back
@@ -179,88 +122,106 @@ class Bus {
     void set_bit_observer(BitObserver* observer);
     void set_fidelity(Fidelity fidelity) { fidelity_ = fidelity; }
 
-    const NodeStatistics& statistics(NodeIndex node) const { return at(node).statistics; }
-    const BusStatistics& statistics() const { return statistics_; }
-    const std::string& name(NodeIndex node) const { return at(node).options.name; }
-
   private:
-    /// What a mailbox's frame does while there is a frame on the bus.
-    enum class Part : std::uint8_t {
-        waiting,
-        sending,
-        outvoted,       ///< error passive, and another sender's bit was dominant
-        lost_one_shot,  ///< took part in the arbitration, lost it, and is not to be repeated
-    };
-
-    struct Mailbox {
-        Frame frame;
-        TransmitHandle handle{};
-        std::uint32_t arbitration = 0;
-        std::uint32_t length = 0;  ///< bit times, with intermission
-        bool one_shot = false;
-        bool abort_requested = false;
-        Part part = Part::waiting;
-    };
-
-    struct Node {
-        Node(const NodeOptions& node_options, std::uint64_t attach_order);
-
-        NodeOptions options;
-        std::vector<Mailbox> mailboxes;  ///< in the order of submission; at most one not waiting
-        std::vector<Filter> filters;
-        EventQueue events;
-        std::uint64_t order;  ///< of attach() among all attach() and attempts
-        ErrorStatus status;
-        TimePoint recovered_at = never;
-        bool listen_only = false;
-        NodeStatistics statistics;
-    };
-
-    enum class Fate : std::uint8_t { sent, unacknowledged, collided };
-
-    /// A frame that is, or would be, on the bus.
-    struct Attempt {
-        Frame frame;
-        std::uint32_t arbitration = 0;
+    /// A frame that is, or would be, on the bus, and what can be said of it at its SOF.
+    struct Plan {
+        const Node::Mailbox* winner = nullptr;
         NodeIndex sender{};  ///< the lowest
-        Fate fate = Fate::sent;
-        std::uint32_t bits = 0;   ///< from SOF until the bus is free
-        TimePoint start;          ///< SOF
-        TimePoint end;            ///< of EOF, or of the error delimiter
-        std::uint64_t order = 0;  ///< nodes attached after this take no part
+        TimePoint start;
+        std::uint32_t losers = 0;
+        /// Nothing can be observed before the end of this bit, counted from SOF.
+        std::uint32_t quiet_bits = 1;
+        /// It will be sent and acknowledged, and nothing happens before the end of its EOF.
+        bool predictable = false;
+        /// It is repeated, for nobody acknowledges it and its sender is error passive already.
+        bool fruitless = false;
+    };
+
+    /// A frame that is simulated in one step.
+    struct Jump {
+        CompletedFrame completed;
+        std::uint32_t arbitration = 0;
+        std::uint64_t end_bit = 0;
     };
 
     Node& at(NodeIndex node);
     const Node& at(NodeIndex node) const;
-    static bool takes_part(const Node& node) {
-        return node.status.state != ControllerState::bus_off;
-    }
-    static const Mailbox* candidate(const Node& node);
-    std::size_t free_mailboxes(const Node& node) const;
+    void remove(std::size_t index);
+    void rebuild_present();
 
-    TimePoint free_at() const;
+    // Time: bit n begins at time_of(n).
+    TimePoint time_of(std::uint64_t bit) const;
     Duration span(std::uint64_t bits) const;
+    std::uint64_t bits_within(Duration duration) const;
+    /// The bit that a moment is in.
+    std::uint64_t bit_at(TimePoint time) const;
+
+    // Between frames.
+    void settle_idle(TimePoint to);
+    void move_grid_to(TimePoint start);
     TimePoint next_recovery() const;
-    std::optional<Attempt> next_attempt() const;
-    void begin(const Attempt& attempt);
-    void complete();
-    void settle(Node& node, std::size_t mailbox, Fate fate);
-    void receive(Node& node, const Attempt& attempt);
-    void recover_nodes();
-    void finish(Node& node, std::size_t mailbox, TransmitOutcome outcome);
-    void fail_all(Node& node);
-    void count_errors(Node& node, int tec, int rec);
+    TimePoint next_start() const;
+    TimePoint next_disturbance() const;
+    Plan plan(TimePoint start, bool idle) const;
+    bool would_start(const Node& node, TimePoint start, bool idle) const;
+    bool step_idle(TimePoint to);
+    void begin_frame(TimePoint start, TimePoint to);
+    void skip_fruitless(const Plan& plan, TimePoint to);
+
+    // A frame in one step.
+    void begin_jump(const Plan& plan);
+    void end_jump();
+
+    // Bits (bus_bits.cpp).
+    void enter_bits();
+    bool step_bits(TimePoint to);
+    void begin_bit();
+    void start_nodes(const Plan& plan, bool disturbed);
+    void end_bit();
+    void end_watched_bit(bool disturbed);
+    void look_for_disturbance();
+    void handle(std::size_t index, BitStreamProcessor::Events events);
+    void complete_frame(std::size_t index);
 
     std::uint32_t bitrate_;
     TimePoint time_;
-    /// The bus is free from busy_bits_ bit times after busy_since_ on.
-    TimePoint busy_since_;
-    std::uint64_t busy_bits_ = 0;
-    std::uint64_t order_ = 0;
-    std::vector<std::optional<Node>> nodes_;
-    std::optional<Attempt> on_bus_;
+
+    /// The grid of bits, and how many of them are over.
+    TimePoint anchor_;
+    std::uint64_t bit_ = 0;
+    /// So many bits, up to the last one that is over, were recessive.
+    std::uint64_t recessive_bits_ = BitStreamProcessor::integration_bits;
+
+    /// All nodes are between frames, the bus is recessive, and bits are skipped.
+    bool idle_ = true;
+    std::optional<Jump> jump_;
+
+    // While bits are stepped.
+    bool bit_begun_ = false;
+    bool may_start_ = false;  ///< some node may
+    bool busy_ = false;       ///< the bit under way belongs to a frame, whatever its level
+    bool fruitless_ = false;  ///< as in Plan, and nobody has done anything since
+    bool frame_disturbed_ = false;
+    bool in_error_ = false;  ///< an error was detected in this frame
+    std::uint64_t disturbed_bit_ = 0;
+    std::uint64_t quiet_until_ = 0;  ///< the bit before which nothing can be observed
+    /// The frame that was planned, until the first error in it.
+    std::optional<NodeIndex> planned_;
+    TimePoint frame_start_;
+    std::uint64_t frame_start_bit_ = 0;
+    std::uint32_t losers_ = 0;
+    bool completed_ = false;
+
+    std::vector<std::unique_ptr<Node>> nodes_;
+    std::vector<std::size_t> present_;  ///< indices of nodes_ that there are
+    std::vector<std::uint8_t> driven_;
+    std::vector<std::uint8_t> wire_;
+    std::vector<std::uint8_t> seen_;
+
     std::function<void(const CompletedFrame&)> trace_;
     std::function<void(const NodeError&)> error_trace_;
+    Disturbance* disturbance_ = nullptr;
+    BitObserver* observer_ = nullptr;
     Fidelity fidelity_ = Fidelity::frames;
     BusStatistics statistics_;
 };

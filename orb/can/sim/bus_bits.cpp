@@ -1,0 +1,193 @@
+// The bus bit by bit.
+
+#include <algorithm>
+
+#include "orb/can/sim/bus.hpp"
+
+namespace canorb::can::sim {
+
+void Bus::enter_bits() {
+    idle_ = false;
+    bit_begun_ = false;
+    may_start_ = true;
+    busy_ = std::any_of(present_.begin(), present_.end(),
+                        [this](std::size_t i) { return nodes_[i]->processor.is_busy(); });
+    fruitless_ = false;
+    frame_disturbed_ = false;
+    in_error_ = false;
+    quiet_until_ = 0;
+    planned_.reset();
+    look_for_disturbance();
+}
+
+/// False: nothing more before `to`.
+bool Bus::step_bits(TimePoint to) {
+    const std::uint64_t over = bit_at(to);
+    while (!idle_) {
+        if (bit_ >= over) {
+            if (!bit_begun_ && time_of(bit_) < to) begin_bit();
+            return false;
+        }
+        if (!bit_begun_) begin_bit();
+        end_bit();
+    }
+    return true;
+}
+
+void Bus::begin_bit() {
+    bit_begun_ = true;
+    if (!may_start_) return;
+    may_start_ = false;
+    const TimePoint start = time_of(bit_);
+    const Plan next = plan(start, false);
+    if (next.winner == nullptr) return;
+    bool disturbed = false;
+    if (disturbance_ != nullptr) {
+        const std::size_t length = next.winner->bits.size + frame_tail_bits + intermission_bits;
+        disturbed = disturbance_->begin_frame(
+            {next.winner->frame, next.sender, start, time_of(bit_ + length)});
+        look_for_disturbance();
+    }
+    start_nodes(next, disturbed);
+}
+
+void Bus::start_nodes(const Plan& plan, bool disturbed) {
+    for (const std::size_t i : present_) {
+        Node& node = *nodes_[i];
+        if (!node.has_mail() || !node.processor.may_start()) continue;
+        const Node::Mailbox& mailbox = *node.candidate();
+        node.begin(mailbox);
+        node.processor.start(mailbox.bits, mailbox.frame.extended);
+    }
+    planned_ = plan.sender;
+    frame_disturbed_ = disturbed;
+    frame_start_ = plan.start;
+    frame_start_bit_ = bit_;
+    losers_ = 0;
+    in_error_ = false;
+    completed_ = false;
+    may_start_ = false;
+}
+
+void Bus::look_for_disturbance() {
+    if (disturbance_ == nullptr) return;
+    const TimePoint next = disturbance_->next(time_of(bit_));
+    disturbed_bit_ = next == never ? ~std::uint64_t{0} : bit_at(next);
+}
+
+void Bus::end_bit() {
+    bit_begun_ = false;
+    const bool disturbed = disturbance_ != nullptr && (frame_disturbed_ || bit_ >= disturbed_bit_);
+    const bool watched = disturbed || observer_ != nullptr;
+    std::uint8_t level = 1;
+    if (watched) {
+        end_watched_bit(disturbed);
+        for (const std::size_t i : present_) level &= wire_[i];
+    } else {
+        for (const std::size_t i : present_) level &= nodes_[i]->processor.driven();
+    }
+    bool quiet = level != 0;
+    bool busy = false;
+    bool may_start = false;
+    bool leaves = false;
+    if (busy_ || level == 0) ++statistics_.busy_bits;
+    for (const std::size_t i : present_) {
+        Node& node = *nodes_[i];
+        const auto events = node.processor.step(watched ? seen_[i] : level);
+        if (events != 0) handle(i, events);
+        quiet = quiet && node.processor.is_between_frames();
+        busy = busy || node.processor.is_busy();
+        may_start = may_start || node.processor.may_start();
+        leaves = leaves || node.leaving;
+    }
+    ++bit_;
+    recessive_bits_ = level != 0 ? recessive_bits_ + 1 : 0;
+    busy_ = busy;
+    may_start_ = may_start;
+    if (disturbed) look_for_disturbance();
+    if (leaves) {
+        for (std::size_t i = 0; i < nodes_.size(); ++i) {
+            if (nodes_[i] && nodes_[i]->leaving && nodes_[i]->processor.is_between_frames()) {
+                remove(i);
+            }
+        }
+    }
+    if (!quiet) return;
+    in_error_ = false;
+    planned_.reset();
+    frame_disturbed_ = false;
+    idle_ = disturbance_ == nullptr || bit_ < disturbed_bit_;
+}
+
+/// Fills wire_ and seen_.
+void Bus::end_watched_bit(bool disturbed) {
+    for (const std::size_t i : present_) driven_[i] = nodes_[i]->processor.driven();
+    wire_ = driven_;
+    BitMoment moment;
+    moment.start = time_of(bit_);
+    moment.end = time_of(bit_ + 1);
+    if (disturbed) {
+        if (planned_) {
+            moment.position = nodes_[static_cast<std::size_t>(*planned_)]->processor.position();
+        }
+        disturbance_->disturb_driven(moment, wire_);
+    }
+    const std::uint8_t level = *std::min_element(wire_.begin(), wire_.end());
+    seen_.assign(nodes_.size(), level);
+    if (disturbed) disturbance_->disturb_seen(moment, wire_, seen_);
+    if (observer_ == nullptr) return;
+    observer_->bit(BusBit{moment.start, moment.end, level, driven_, seen_});
+}
+
+void Bus::handle(std::size_t index, BitStreamProcessor::Events events) {
+    Node& node = *nodes_[index];
+    time_ = time_of(bit_ + 1);
+    if ((events & BitStreamProcessor::lost_arbitration) != 0) {
+        node.lose(node.processor.lost_at());
+        ++losers_;
+    }
+    if ((events & BitStreamProcessor::detected_error) != 0) {
+        NodeError error;
+        error.time = time_;
+        error.node = NodeIndex{static_cast<std::uint16_t>(index)};
+        error.capture = node.processor.error();
+        error.status = node.processor.status();
+        error.active_flag = node.processor.driven() == 0;
+        error.primary = !in_error_;
+        ++node.statistics.errors;
+        node.statistics.last_error = error.capture;
+        if (error.primary) ++statistics_.error_frames;
+        in_error_ = true;
+        planned_.reset();
+        if (error_trace_) error_trace_(error);
+        node.end_failed(time_);
+    }
+    if ((events & BitStreamProcessor::sent) != 0) {
+        if (!completed_) complete_frame(index);
+        node.end_sent(time_);
+    }
+    if ((events & BitStreamProcessor::received) != 0) {
+        node.end_received(node.processor.frame(), time_);
+    }
+    if ((events & BitStreamProcessor::status_changed) != 0) node.tell_status(time_);
+}
+
+void Bus::complete_frame(std::size_t index) {
+    completed_ = true;
+    ++statistics_.frames;
+    if (!trace_) return;
+    const Node::Mailbox& mailbox = *nodes_[index]->on_bus();
+    CompletedFrame completed;
+    completed.frame = mailbox.frame;
+    completed.start = frame_start_;
+    completed.time = time_;
+    completed.sender = NodeIndex{static_cast<std::uint16_t>(index)};
+    completed.bits = static_cast<std::uint32_t>(bit_ + 1 - frame_start_bit_);
+    completed.stuff_bits = completed.bits - frame_tail_bits -
+                           ((mailbox.frame.extended ? 54U : 34U) +
+                            8 * static_cast<std::uint32_t>(mailbox.frame.payload().size()));
+    completed.lost_arbitrations = losers_;
+    trace_(completed);
+}
+
+}  // namespace canorb::can::sim
