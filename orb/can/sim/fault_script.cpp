@@ -97,7 +97,8 @@ std::optional<std::uint64_t> parse_number(std::string_view text, int base, std::
         if (is_digit(c)) digit = static_cast<std::uint64_t>(c - '0');
         if (c >= 'a' && c <= 'f') digit = static_cast<std::uint64_t>(c - 'a' + 10);
         if (c >= 'A' && c <= 'F') digit = static_cast<std::uint64_t>(c - 'A' + 10);
-        if (digit >= factor || value > (highest - digit) / factor) return std::nullopt;
+        if (digit >= factor || digit > highest || value > (highest - digit) / factor)
+            return std::nullopt;
         value = value * factor + digit;
     }
     return value;
