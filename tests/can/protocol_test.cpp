@@ -54,11 +54,21 @@ Form parsed_by_client(std::string_view text) {
 
 TEST(SimProtocol, Hello) {
     const std::string text = "01" + std::string{magic} + "01 01 70756D702D33";
-    EXPECT_EQ(client_packet(Hello{.query = true, .client_name = "pump-3"}), golden(text));
+    EXPECT_EQ(client_packet(Hello{.wish = Hello::Wish::query, .client_name = "pump-3"}),
+              golden(text));
     const Hello hello = parsed_by_daemon<Hello>(text);
     EXPECT_EQ(hello.version, 1);
-    EXPECT_TRUE(hello.query);
+    EXPECT_EQ(hello.wish, Hello::Wish::query);
     EXPECT_EQ(hello.client_name, "pump-3");
+}
+
+TEST(SimProtocol, HelloThatWantsAControllerOrTheStatus) {
+    const std::string controller = "01" + std::string{magic} + "01 00";
+    EXPECT_EQ(client_packet(Hello{}), golden(controller));
+    EXPECT_EQ(parsed_by_daemon<Hello>(controller).wish, Hello::Wish::controller);
+    const std::string status = "01" + std::string{magic} + "01 02";
+    EXPECT_EQ(client_packet(Hello{.wish = Hello::Wish::status, .client_name = ""}), golden(status));
+    EXPECT_EQ(parsed_by_daemon<Hello>(status).wish, Hello::Wish::status);
 }
 
 TEST(SimProtocol, OfAnotherVersionsHelloOnlyTheVersionIsKnown) {
@@ -167,6 +177,51 @@ TEST(SimProtocol, Events) {
     EXPECT_EQ(parsed_by_client<FramesLost>("86 0000000000000005 0102030405060708").count, 5U);
 }
 
+TEST(SimProtocol, BusStatus) {
+    const std::string_view text =
+        "87 0102030405060708"
+        "   00000000000F4240"  // 1 000 000 bits, of which
+        "   0000000000030D40"  // 200 000 busy
+        "   000000000007A120"  // the last second: 500 000
+        "   000000000001E848"  // 125 000 busy
+        "   0000000000000708"  // 1800 frames
+        "   0000000000000003"  // error frames
+        "   0001";             // nodes
+    EXPECT_EQ(server_packet(BusStatus{some_time, 1'000'000, 200'000, 500'000, 125'000, 1800, 3, 1}),
+              golden(text));
+    const auto status = parsed_by_client<BusStatus>(text);
+    EXPECT_EQ(status.time, some_time);
+    EXPECT_EQ(status.bits, 1'000'000U);
+    EXPECT_EQ(status.busy_bits, 200'000U);
+    EXPECT_EQ(status.recent_bits, 500'000U);
+    EXPECT_EQ(status.recent_busy_bits, 125'000U);
+    EXPECT_EQ(status.frames, 1800U);
+    EXPECT_EQ(status.error_frames, 3U);
+    EXPECT_EQ(status.nodes, 1);
+}
+
+TEST(SimProtocol, NodeStatus) {
+    const std::string_view text =
+        "88 01 0088 0007"      // error passive, TEC 136, REC 7
+        "   0000000000000001"  // sent
+        "   0000000000000102"  // received
+        "   0000000000000003"  // lost arbitrations
+        "   0000000000000004"  // errors
+        "   70756D702D33";     // pump-3
+    EXPECT_EQ(
+        server_packet(NodeStatus{{ControllerState::error_passive, 136, 7}, 1, 258, 3, 4, "pump-3"}),
+        golden(text));
+    const auto node = parsed_by_client<NodeStatus>(text);
+    EXPECT_EQ(node.status, (ErrorStatus{ControllerState::error_passive, 136, 7}));
+    EXPECT_EQ(node.sent, 1U);
+    EXPECT_EQ(node.received, 258U);
+    EXPECT_EQ(node.lost_arbitrations, 3U);
+    EXPECT_EQ(node.errors, 4U);
+    EXPECT_EQ(node.name, "pump-3");
+    EXPECT_EQ(encode(ServerPacket{NodeStatus{.name = std::string(99, 'x')}}).bytes().size(),
+              38U + 32U);
+}
+
 TEST(SimProtocol, RefusesMalformedClientPackets) {
     for (const std::string& text : {
              std::string{""},
@@ -176,7 +231,8 @@ TEST(SimProtocol, RefusesMalformedClientPackets) {
              std::string{"01 63616E6F72622D627574 01 00"},  // magic
              std::string{"01 63616E6F72622D627573"},        // no version
              "01" + std::string{magic} + "01",              // no flags
-             "01" + std::string{magic} + "01 02",           // unknown flag
+             "01" + std::string{magic} + "01 03",           // a query and the status
+             "01" + std::string{magic} + "01 04",           // unknown flag
              "01" + std::string{magic} + "01 00 0A",        // not printable
              std::string{"02 0102030405060708 0000000000000001 00 00000123 04 DEADBE"},
              std::string{"02 0102030405060708 0000000000000001 00 00000123 04 DEADBEEF00"},
@@ -211,7 +267,15 @@ TEST(SimProtocol, RefusesMalformedServerPackets) {
              "84 0000000000000009 03 0102030405060708",
              "85 04 0100 0003 0102030405060708",
              "86 0000000000000005 0102030405060708 00",
-             "87",
+             "87 0102030405060708 00000000000F4240 0000000000030D40 000000000007A120"
+             " 000000000001E848 0000000000000708 0000000000000003 00",
+             "87 0102030405060708 00000000000F4240 0000000000030D40 000000000007A120"
+             " 000000000001E848 0000000000000708 0000000000000003 0002 00",
+             "88 04 0088 0007 0000000000000001 0000000000000102 0000000000000003 0000000000000004",
+             "88 01 0088 0007 0000000000000001 0000000000000102 0000000000000003 00000000000000",
+             "88 01 0088 0007 0000000000000001 0000000000000102 0000000000000003 0000000000000004"
+             " 0A",
+             "89",
          }) {
         EXPECT_FALSE(parse_server_packet(octets(text))) << text;
     }

@@ -329,7 +329,7 @@ class BusServer::Server {
         welcome.mailboxes = static_cast<std::uint16_t>(options_.controller.mailboxes);
         welcome.filter_list = static_cast<std::uint16_t>(options_.controller.filter_list);
         send_packet(client.socket, sim::encode(welcome));
-        if (hello.query) {
+        if (hello.wish != sim::Hello::Wish::controller) {
             client.gone = true;
             return;
         }

@@ -352,7 +352,7 @@ class SimLink final : public Link {
 
 Result<std::unique_ptr<Link>, std::string> open_sim_link(const SimAddress& address) {
     sim::Hello hello;
-    hello.query = true;
+    hello.wish = sim::Hello::Wish::query;
     const auto admission = ask(address.path, hello);
     if (!admission) return Failure{admission.error()};
     return std::unique_ptr<Link>{std::make_unique<SimLink>(address)};

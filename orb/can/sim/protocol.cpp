@@ -21,9 +21,10 @@ enum class PacketType : std::uint8_t {
     transmit_result = 0x84,
     state_changed = 0x85,
     frames_lost = 0x86,
+    bus_status = 0x87,
+    node_status = 0x88,
 };
 
-constexpr std::uint8_t query_flag = 0x01;
 constexpr std::uint8_t paced_flag = 0x01;
 constexpr std::uint8_t one_shot_flag = 0x01;
 constexpr std::uint32_t extended_flag = 0x80000000;
@@ -75,8 +76,12 @@ bool is_printable(std::uint8_t octet) {
     return octet >= 0x20 && octet < 0x7F;
 }
 
-std::string get_text(Bytes octets, Reader& reader) {
-    if (!std::all_of(octets.begin(), octets.end(), is_printable)) reader.fail();
+/// The rest of a packet.
+std::string get_text(Reader& reader, std::size_t longest) {
+    const Bytes octets = reader.get_rest();
+    if (octets.size() > longest || !std::all_of(octets.begin(), octets.end(), is_printable)) {
+        reader.fail();
+    }
     return std::string{octets.begin(), octets.end()};
 }
 
@@ -137,11 +142,25 @@ Enum get_enum(Reader& reader, Enum last) {
     return static_cast<Enum>(value);
 }
 
+void put(Packet& packet, const ErrorStatus& status) {
+    packet.put8(static_cast<std::uint8_t>(status.state));
+    packet.put16(status.tec);
+    packet.put16(status.rec);
+}
+
+ErrorStatus get_error_status(Reader& reader) {
+    ErrorStatus status;
+    status.state = get_enum(reader, ControllerState::stopped);
+    status.tec = reader.get16();
+    status.rec = reader.get16();
+    return status;
+}
+
 void put(Packet& packet, const Hello& hello) {
     put(packet, PacketType::hello);
     packet.put_text(magic);
     packet.put8(hello.version);
-    packet.put8(hello.query ? query_flag : std::uint8_t{0});
+    packet.put8(static_cast<std::uint8_t>(hello.wish));
     packet.put_text(hello.client_name.substr(0, max_client_name));
 }
 
@@ -213,9 +232,7 @@ void put(Packet& packet, const TransmitResult& result) {
 
 void put(Packet& packet, const StateChanged& change) {
     put(packet, PacketType::state_changed);
-    packet.put8(static_cast<std::uint8_t>(change.status.state));
-    packet.put16(change.status.tec);
-    packet.put16(change.status.rec);
+    put(packet, change.status);
     put(packet, change.time);
 }
 
@@ -223,6 +240,28 @@ void put(Packet& packet, const FramesLost& lost) {
     put(packet, PacketType::frames_lost);
     packet.put64(lost.count);
     put(packet, lost.time);
+}
+
+void put(Packet& packet, const BusStatus& status) {
+    put(packet, PacketType::bus_status);
+    put(packet, status.time);
+    packet.put64(status.bits);
+    packet.put64(status.busy_bits);
+    packet.put64(status.recent_bits);
+    packet.put64(status.recent_busy_bits);
+    packet.put64(status.frames);
+    packet.put64(status.error_frames);
+    packet.put16(status.nodes);
+}
+
+void put(Packet& packet, const NodeStatus& node) {
+    put(packet, PacketType::node_status);
+    put(packet, node.status);
+    packet.put64(node.sent);
+    packet.put64(node.received);
+    packet.put64(node.lost_arbitrations);
+    packet.put64(node.errors);
+    packet.put_text(node.name.substr(0, max_client_name));
 }
 
 Hello get_hello(Reader& reader) {
@@ -238,10 +277,8 @@ Hello get_hello(Reader& reader) {
         reader.get_rest();
         return hello;
     }
-    hello.query = get_flags(reader, query_flag) != 0;
-    const Bytes text = reader.get_rest();
-    if (text.size() > max_client_name) reader.fail();
-    hello.client_name = get_text(text, reader);
+    hello.wish = get_enum(reader, Hello::Wish::status);
+    hello.client_name = get_text(reader, max_client_name);
     return hello;
 }
 
@@ -294,9 +331,7 @@ Welcome get_welcome(Reader& reader) {
 Refusal get_refusal(Reader& reader) {
     Refusal refusal;
     refusal.version = reader.get8();
-    const Bytes text = reader.get_rest();
-    if (text.size() > max_refusal_reason) reader.fail();
-    refusal.reason = get_text(text, reader);
+    refusal.reason = get_text(reader, max_refusal_reason);
     return refusal;
 }
 
@@ -313,9 +348,7 @@ TransmitResult get_transmit_result(Reader& reader) {
 
 StateChanged get_state_changed(Reader& reader) {
     StateChanged change;
-    change.status.state = get_enum(reader, ControllerState::stopped);
-    change.status.tec = reader.get16();
-    change.status.rec = reader.get16();
+    change.status = get_error_status(reader);
     change.time = get_time(reader);
     return change;
 }
@@ -323,6 +356,30 @@ StateChanged get_state_changed(Reader& reader) {
 FramesLost get_frames_lost(Reader& reader) {
     const std::uint64_t count = reader.get64();
     return FramesLost{count, get_time(reader)};
+}
+
+BusStatus get_bus_status(Reader& reader) {
+    BusStatus status;
+    status.time = get_time(reader);
+    status.bits = reader.get64();
+    status.busy_bits = reader.get64();
+    status.recent_bits = reader.get64();
+    status.recent_busy_bits = reader.get64();
+    status.frames = reader.get64();
+    status.error_frames = reader.get64();
+    status.nodes = reader.get16();
+    return status;
+}
+
+NodeStatus get_node_status(Reader& reader) {
+    NodeStatus node;
+    node.status = get_error_status(reader);
+    node.sent = reader.get64();
+    node.received = reader.get64();
+    node.lost_arbitrations = reader.get64();
+    node.errors = reader.get64();
+    node.name = get_text(reader, max_client_name);
+    return node;
 }
 
 }  // namespace
@@ -416,6 +473,12 @@ std::optional<ServerPacket> parse_server_packet(Bytes octets) {
             break;
         case PacketType::frames_lost:
             packet = get_frames_lost(reader);
+            break;
+        case PacketType::bus_status:
+            packet = get_bus_status(reader);
+            break;
+        case PacketType::node_status:
+            packet = get_node_status(reader);
             break;
         default:
             return std::nullopt;

@@ -27,10 +27,14 @@ inline constexpr std::size_t max_packet_filters = 56;
 
 /// A client's first packet. Of another version than ours nothing but `version` is known.
 struct Hello {
+    enum class Wish : std::uint8_t {
+        controller,
+        query,   ///< only asks whether it would be welcome; the daemon closes after the answer
+        status,  ///< the same, and wants a BusStatus and each node's NodeStatus after the answer
+    };
     std::uint8_t version = protocol_version;
-    /// Only asks whether it would be welcome: no controller, the daemon closes after the answer.
-    bool query = false;
-    std::string client_name;  ///< printable ASCII, at most max_client_name
+    Wish wish = Wish::controller;
+    std::string client_name{};  ///< printable ASCII, at most max_client_name
 };
 
 /// What a client asks for after its hello. `time` is when, on CLOCK_MONOTONIC: a bus that is paced
@@ -79,8 +83,30 @@ struct Refusal {
     std::string reason;                       ///< a sentence, at most max_refusal_reason
 };
 
-using ServerPacket =
-    std::variant<Welcome, Refusal, Received, TransmitResult, StateChanged, FramesLost>;
+/// How full a bus is. Busy is each bit from SOF to the end of the intermission.
+struct BusStatus {
+    TimePoint time{};               ///< on the bus's clock
+    std::uint64_t bits = 0;         ///< since the bus began
+    std::uint64_t busy_bits = 0;    ///< among them
+    std::uint64_t recent_bits = 0;  ///< of the last second, less where the bus is younger
+    std::uint64_t recent_busy_bits = 0;
+    std::uint64_t frames = 0;        ///< sent and acknowledged
+    std::uint64_t error_frames = 0;  ///< disturbances, however many nodes saw them
+    std::uint16_t nodes = 0;         ///< so many NodeStatus follow
+};
+
+/// What a node is and has done since it was attached.
+struct NodeStatus {
+    ErrorStatus status{};
+    std::uint64_t sent = 0;      ///< frames, acknowledged
+    std::uint64_t received = 0;  ///< valid frames of others
+    std::uint64_t lost_arbitrations = 0;
+    std::uint64_t errors = 0;  ///< detected by it
+    std::string name{};        ///< printable ASCII, at most max_client_name
+};
+
+using ServerPacket = std::variant<Welcome, Refusal, Received, TransmitResult, StateChanged,
+                                  FramesLost, BusStatus, NodeStatus>;
 
 /// A packet's octets.
 class Packet {
