@@ -205,10 +205,11 @@ class Bus {
     bool in_error_ = false;  ///< an error was detected in this frame
     std::uint64_t disturbed_bit_ = 0;
     std::uint64_t quiet_until_ = 0;  ///< the bit before which nothing can be observed
-    /// The frame that was planned, until the first error in it.
+    /// The sender of the frame that was planned, until it detects an error.
     std::optional<NodeIndex> planned_;
     TimePoint frame_start_;
     std::uint64_t frame_start_bit_ = 0;
+    std::uint64_t frame_end_bit_ = 0;  ///< of its intermission, if nothing disturbs it
     std::uint32_t losers_ = 0;
     bool completed_ = false;
 

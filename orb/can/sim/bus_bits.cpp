@@ -63,6 +63,7 @@ void Bus::start_nodes(const Plan& plan, bool disturbed) {
     frame_disturbed_ = disturbed;
     frame_start_ = plan.start;
     frame_start_bit_ = bit_;
+    frame_end_bit_ = bit_ + plan.winner->bits.size + frame_tail_bits + intermission_bits;
     losers_ = 0;
     in_error_ = false;
     completed_ = false;
@@ -112,7 +113,7 @@ void Bus::end_bit() {
             }
         }
     }
-    if (!quiet) return;
+    if (!quiet || (frame_disturbed_ && bit_ < frame_end_bit_)) return;
     in_error_ = false;
     planned_.reset();
     frame_disturbed_ = false;
@@ -158,7 +159,7 @@ void Bus::handle(std::size_t index, BitStreamProcessor::Events events) {
         node.statistics.last_error = error.capture;
         if (error.primary) ++statistics_.error_frames;
         in_error_ = true;
-        planned_.reset();
+        if (planned_ == error.node) planned_.reset();
         if (error_trace_) error_trace_(error);
         node.end_failed(time_);
     }

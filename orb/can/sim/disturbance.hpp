@@ -24,8 +24,8 @@ struct PlannedFrame {
 struct BitMoment {
     TimePoint start;
     TimePoint end;
-    /// Where the sender of the planned frame is with it; nothing between frames and from the first
-    /// error on.
+    /// Where the sender of the planned frame is with it; nothing between frames, and from the first
+    /// error that the sender detects.
     std::optional<FramePosition> position;
 };
 

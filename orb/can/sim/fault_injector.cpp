@@ -10,6 +10,10 @@ namespace {
 constexpr std::uint64_t second = 1'000'000'000;  // in nanoseconds
 constexpr std::uint64_t latest_second = 4'000'000'000;
 
+/// More recessive bits than any node sends between two dominant ones while a frame, an error frame
+/// or what follows them is not over for all.
+constexpr std::uint32_t quiet_bits = 32;
+
 /// The upper half of a product. By hand: the same on machines without 128-bit integers.
 std::uint64_t multiply_high(std::uint64_t a, std::uint64_t b) {
     const std::uint64_t a_low = a & 0xFFFFFFFFU, a_high = a >> 32;
@@ -169,17 +173,23 @@ bool FaultInjector::begin_frame(const PlannedFrame& planned) {
         if (is_in_field && !position) continue;
         armed_.push_back({trigger.fault, when.place, position.value_or(FramePosition{})});
     }
+    recessive_bits_ = 0;
     return !armed_.empty() || next(planned.start) < planned.end;
 }
 
 TimePoint FaultInjector::next(TimePoint from) const {
     for (const Effect& effect : effects_) {
-        if (effect.until > from && acts(effect)) return from;
+        if (effect.until <= from || !acts(effect)) continue;
+        // Who is cut off from an idle bus sees what he would see on it.
+        const bool is_cut_off = script_.faults[effect.fault].kind == FaultKind::cut_off;
+        if (!is_cut_off || recessive_bits_ < quiet_bits) return from;
     }
     return std::max(from, next_);
 }
 
 void FaultInjector::disturb_driven(const BitMoment& moment, std::span<std::uint8_t> driven) {
+    const bool is_recessive = std::find(driven.begin(), driven.end(), 0) == driven.end();
+    recessive_bits_ = is_recessive ? recessive_bits_ + 1 : 0;
     if (moment.start >= frame_start_) ++frame_bits_;
     if (moment.position && moment.position->stuff) ++stuff_bits_;
     std::erase_if(effects_, [&](const Effect& effect) { return effect.until <= moment.start; });

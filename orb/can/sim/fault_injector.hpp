@@ -136,8 +136,9 @@ class FaultInjector : public Disturbance {
     std::vector<FrameTrigger> frame_triggers_;
     std::vector<Armed> armed_;
     TimePoint frame_start_ = never;
-    std::uint32_t frame_bits_ = 0;  ///< of the present frame, up to the present bit
-    std::uint32_t stuff_bits_ = 0;  ///< among them
+    std::uint32_t frame_bits_ = 0;      ///< of the present frame, up to the present bit
+    std::uint32_t stuff_bits_ = 0;      ///< among them
+    std::uint32_t recessive_bits_ = 0;  ///< sent by all nodes, up to the present bit
 
     std::vector<Effect> effects_;     ///< in the order of the script, at most one for each fault
     bool wire_flipped_ = false;       ///< by lot, in the present bit
