@@ -186,7 +186,7 @@ std::string comment_of(const sim::NodeError& error, std::string_view node) {
         comment += " bit " + std::to_string(capture.position.index + 1);
     }
     if (capture.position.stuff) comment += ", the stuff bit after it";
-    comment += "; then ";
+    comment += error.active_flag ? "; active error flag; then " : "; passive error flag; then ";
     comment += name(error.status.state);
     comment += ", TEC " + std::to_string(error.status.tec);
     comment += ", REC " + std::to_string(error.status.rec);
@@ -195,6 +195,7 @@ std::string comment_of(const sim::NodeError& error, std::string_view node) {
 
 std::uint8_t controller_octet(const ErrorStatus& status) {
     std::uint8_t octet = 0;
+    if (status.state == ControllerState::bus_off) return octet;  // has a class of its own
     if (status.tec >= passive_limit) {
         octet |= controller_transmit_passive;
     } else if (status.tec >= warning_limit) {

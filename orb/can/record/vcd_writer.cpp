@@ -129,14 +129,14 @@ void VcdWriter::write_header(const VcdOptions& options) {
 void VcdWriter::node_attached(sim::NodeIndex node, std::string_view name) {
     const auto index = static_cast<std::size_t>(node);
     if (index >= lines_of_.size()) lines_of_.resize(index + 1);
+    node_detached(node);  // a bus tells an observer of its nodes each time it gets it
     lines_of_[index] = lines_for(legal_name(name, node));
     if (!lines_of_[index]) ++nodes_without_lines_;
 }
 
 void VcdWriter::node_detached(sim::NodeIndex node) {
     const auto index = static_cast<std::size_t>(node);
-    assert(index < lines_of_.size());
-    if (!lines_of_[index]) return;
+    if (index >= lines_of_.size() || !lines_of_[index]) return;
     Lines& lines = lines_[*lines_of_[index]];
     set(lines.tx, 1, end_);
     set(lines.rx, 1, end_);
