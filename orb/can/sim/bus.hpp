@@ -90,7 +90,10 @@ class Bus {
 
     std::optional<ControllerEvent> poll(NodeIndex node);
     const EventQueue& events(NodeIndex node) const { return at(node).events; }
-    const std::string& name(NodeIndex node) const { return at(node).options.name; }
+    /// Also of a node that was detached, in traces of its last frame.
+    const std::string& name(NodeIndex node) const {
+        return nodes_[static_cast<std::size_t>(node)]->options.name;
+    }
     const NodeStatistics& statistics(NodeIndex node) const { return at(node).statistics; }
     BusStatistics statistics() const;
 
