@@ -391,20 +391,21 @@ void Bus::skip_fruitless(const Plan& plan, TimePoint to) {
     std::uint64_t begun = bit_at(to);
     if (time_of(begun) < to) ++begun;
     const std::uint64_t attempts = (begun - 1 - bit_) / period;
-    bit_ += attempts * period;
-    statistics_.busy_bits += attempts * busy;
-    statistics_.error_frames += attempts;
     for (const std::size_t i : present_) {
         Node& node = *nodes_[i];
         if (would_start(node, plan.start, true)) node.statistics.errors += attempts;
     }
+    bit_ += attempts * period;
+    statistics_.busy_bits += attempts * busy;
+    statistics_.error_frames += attempts;
 }
 
 // ---- a frame in one step
 
 void Bus::begin_jump(const Plan& plan) {
     const Node::Mailbox& winner = *plan.winner;
-    Jump& jump = jump_.emplace();
+    jump_ = Jump{};  // clang 19 finds no emplace() for a nested class with defaults
+    Jump& jump = *jump_;
     jump.arbitration = winner.arbitration;
     jump.end_bit = bit_ + winner.bits.size + frame_tail_bits;
     jump.completed.frame = winner.frame;
