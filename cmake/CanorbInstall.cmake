@@ -11,7 +11,7 @@ install(TARGETS canorb canorb_options ${layers} EXPORT canorbTargets
     INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
 install(TARGETS canorb-idlc EXPORT canorbTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 if(CANORB_BUILD_TOOLS)
-    install(TARGETS canorb-bus RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+    install(TARGETS canorb-bits canorb-bus RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/orb/include/canorb/
