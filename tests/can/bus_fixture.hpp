@@ -4,11 +4,12 @@
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
-#include "orb/can/sim/controller.hpp"
 #include "orb/can/sim/bus.hpp"
+#include "orb/can/sim/controller.hpp"
 #include "tests/support/octets.hpp"
 
 namespace canorb::can::sim::test {
@@ -71,5 +72,27 @@ inline void run_until_quiet(Bus& bus) {
     while (bus.advance_one()) {
     }
 }
+
+/// Base of the tests whose outcome must not depend on how frames are simulated. 500 kbit/s.
+class WithFidelity : public testing::TestWithParam<Fidelity> {
+  protected:
+    WithFidelity() {
+        bus_.set_fidelity(GetParam());
+        bus_.set_trace([this](const CompletedFrame& frame) { frames_.push_back(frame); });
+        bus_.set_error_trace([this](const NodeError& error) { errors_.push_back(error); });
+    }
+
+    Bus bus_{500'000};
+    std::vector<CompletedFrame> frames_;
+    std::vector<NodeError> errors_;
+};
+
+inline std::string fidelity_name(const testing::TestParamInfo<Fidelity>& info) {
+    return info.param == Fidelity::frames ? "Frames" : "Bits";
+}
+
+#define CANORB_WITH_BOTH_FIDELITIES(suite)                                               \
+    INSTANTIATE_TEST_SUITE_P(, suite, testing::Values(Fidelity::frames, Fidelity::bits), \
+                             fidelity_name)
 
 }  // namespace canorb::can::sim::test
