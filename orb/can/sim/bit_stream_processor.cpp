@@ -73,6 +73,12 @@ void BitStreamProcessor::enter(State state) {
     state_ = state;
     count_ = 0;
     driven_ = 1;
+    if (is_between_frames()) silent_ = listen_only_;
+}
+
+void BitStreamProcessor::set_listen_only(bool on, bool dominant) {
+    listen_only_ = on;
+    if (is_between_frames() && !dominant) silent_ = on;
 }
 
 // ---- SOF to CRC
@@ -81,7 +87,6 @@ void BitStreamProcessor::begin_frame() {
     enter(State::stuffed);
     may_join_ = false;
     transmitter_ = false;
-    silent_ = listen_only_;
     unacknowledged_ = false;
     run_ = 0;
     last_ = 1;
@@ -471,11 +476,6 @@ void BitStreamProcessor::recover(bool partial) {
 void BitStreamProcessor::recovered_for(int bits) {
     assert(is_recovering());
     run_ = bits;
-}
-
-void BitStreamProcessor::begin_undisturbed() {
-    assert(is_between_frames());
-    silent_ = listen_only_;
 }
 
 void BitStreamProcessor::end_undisturbed(bool transmitter) {

@@ -73,16 +73,16 @@ class BitStreamProcessor {
     /// So many recessive bits at once. Only between frames. status_changed when bus-off is over.
     Events skip_recessive(std::uint64_t bits);
 
-    /// A frame that nothing disturbs and somebody acknowledges, in two steps: at its SOF, and at
-    /// the end of its EOF, without the bits between them. Only between frames.
-    void begin_undisturbed();
+    /// The end of the EOF of a frame that nothing disturbed and somebody acknowledged, without the
+    /// bits before it. Only between frames.
     void end_undisturbed(bool transmitter);
-    /// Whether begin_undisturbed() may be used: the end of the frame is then all there is to tell.
+    /// Whether the end of such a frame is then all there is to tell.
     bool is_predictable() const { return confinement_.status().rec <= 127; }
 
-    /// Silent on the bus, from the next frame on.
-    void set_listen_only(bool on) { listen_only_ = on; }
+    /// Silent on the bus, from the next frame on. `dominant`: a bit is under way that may be a SOF.
+    void set_listen_only(bool on, bool dominant);
     bool is_listen_only() const { return listen_only_; }
+    bool is_silent() const { return silent_; }  ///< in the present frame
 
     /// Leaves bus-off after 128 times 11 recessive bits. `partial`: the bit time under way does not
     /// count.

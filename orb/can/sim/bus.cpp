@@ -30,9 +30,11 @@ NodeIndex Bus::attach(const NodeOptions& options) {
     assert(options.mailboxes >= 1 && options.mailboxes <= 255);
     fruitless_ = false;
     if (idle_ && !jump_) settle_idle(time_);
+    // A bit of which it saw the beginning only does not make it take part.
+    const bool dominant = is_dominant();
     auto free = std::find(nodes_.begin(), nodes_.end(), nullptr);
     if (free == nodes_.end()) free = nodes_.insert(nodes_.end(), nullptr);
-    *free = std::make_unique<Node>(options, jump_ ? 0 : recessive_bits_);
+    *free = std::make_unique<Node>(options, dominant ? 0 : recessive_bits_);
     rebuild_present();
     const NodeIndex index{static_cast<std::uint16_t>(free - nodes_.begin())};
     if (disturbance_ != nullptr) disturbance_->node_attached(index, options.name);
@@ -44,12 +46,20 @@ void Bus::detach(NodeIndex index) {
     Node& node = at(index);
     fruitless_ = false;
     const bool in_frame =
-        jump_ ? node.processor.takes_part() : !idle_ && !node.processor.is_between_frames();
+        !node.processor.is_between_frames() || (is_dominant() && node.processor.takes_part());
     if (in_frame) {
         node.leave();
     } else {
         remove(static_cast<std::size_t>(index));
     }
+}
+
+/// Somebody is sending a dominant bit, or has begun a frame that is simulated in one step.
+bool Bus::is_dominant() const {
+    if (jump_) return true;
+    return bit_begun_ && std::any_of(present_.begin(), present_.end(), [this](std::size_t i) {
+               return nodes_[i]->processor.driven() == 0;
+           });
 }
 
 void Bus::remove(std::size_t index) {
@@ -104,7 +114,7 @@ bool Bus::set_filters(NodeIndex node, std::span<const Filter> filters) {
 
 void Bus::set_listen_only(NodeIndex node, bool on) {
     fruitless_ = false;
-    at(node).set_listen_only(on, time_);
+    at(node).set_listen_only(on, is_dominant(), time_);
 }
 
 void Bus::recover(NodeIndex index) {
@@ -136,8 +146,7 @@ void Bus::recover(NodeIndex index) {
 ErrorStatus Bus::error_status(NodeIndex index) const {
     const Node& node = at(index);
     ErrorStatus status = node.processor.status();
-    if (jump_ && status.rec > 0 && node.processor.takes_part() &&
-        !node.processor.is_listen_only() &&
+    if (jump_ && status.rec > 0 && node.processor.takes_part() && !node.processor.is_silent() &&
         time_ >= time_of(jump_->end_bit - bits_after_ack_slot)) {
         const Node::Mailbox* mailbox = node.on_bus();
         const bool sends = mailbox != nullptr && mailbox->arbitration == jump_->arbitration;
@@ -371,8 +380,8 @@ void Bus::begin_frame(TimePoint start, TimePoint to) {
         begin_jump(next);
         return;
     }
-    if (next.fruitless && disturbance_ == nullptr && observer_ == nullptr &&
-        fidelity_ == Fidelity::frames) {
+    const bool watched = observer_ != nullptr || error_trace_;
+    if (next.fruitless && disturbance_ == nullptr && !watched && fidelity_ == Fidelity::frames) {
         skip_fruitless(next, to);
     }
     enter_bits();
@@ -417,7 +426,6 @@ void Bus::begin_jump(const Plan& plan) {
     jump.completed.lost_arbitrations = plan.losers;
     for (const std::size_t i : present_) {
         Node& node = *nodes_[i];
-        node.processor.begin_undisturbed();
         if (would_start(node, plan.start, true)) node.begin(*node.candidate());
     }
 }

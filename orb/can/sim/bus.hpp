@@ -149,6 +149,7 @@ class Bus {
 
     Node& at(NodeIndex node);
     const Node& at(NodeIndex node) const;
+    bool is_dominant() const;
     void remove(std::size_t index);
     void rebuild_present();
 

@@ -29,6 +29,9 @@ std::optional<SendError> Node::submit(const Frame& frame, TransmitHandle handle,
     if (free_mailboxes() == 0) return SendError::full;
     Mailbox& mailbox = mailboxes_.emplace_back();
     mailbox.frame = frame;
+    // Only what goes over the bus arrives.
+    std::fill(mailbox.frame.data.begin() + static_cast<std::ptrdiff_t>(frame.payload().size()),
+              mailbox.frame.data.end(), std::uint8_t{0});
     mailbox.bits = stuffed_bits(frame);
     mailbox.arbitration = arbitration_field(frame);
     mailbox.handle = handle;
@@ -62,8 +65,8 @@ bool Node::set_filters(std::span<const Filter> filters) {
     return true;
 }
 
-void Node::set_listen_only(bool on, TimePoint now) {
-    processor.set_listen_only(on);
+void Node::set_listen_only(bool on, bool dominant, TimePoint now) {
+    processor.set_listen_only(on, dominant);
     if (!on) return;
     for (std::size_t i = 0; i < mailboxes_.size();) {
         if (mailboxes_[i].part == Part::waiting) {

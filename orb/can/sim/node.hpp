@@ -45,7 +45,7 @@ class Node {
     [[nodiscard]] bool fail(TransmitHandle handle, TimePoint now);
     void abort(TransmitHandle handle, TimePoint now);
     [[nodiscard]] bool set_filters(std::span<const Filter> filters);
-    void set_listen_only(bool on, TimePoint now);
+    void set_listen_only(bool on, bool dominant, TimePoint now);
 
     /// The node has been detached: withdraws what waits and tells nobody.
     void leave();
