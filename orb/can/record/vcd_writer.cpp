@@ -71,6 +71,9 @@ std::string declaration(std::string_view code, std::string_view name) {
 
 }  // namespace
 
+VcdWriter::Wire::Wire(std::size_t number)
+    : code(code_of(number)), changes{'0' + code + '\n', '1' + code + '\n'} {}
+
 Result<std::unique_ptr<VcdWriter>, std::string> VcdWriter::create(const std::string& path,
                                                                   const VcdOptions& options) {
     auto file = RecordFile::create(path);
@@ -87,7 +90,7 @@ VcdWriter::VcdWriter(RecordFile file, const VcdOptions& options)
     : file_(std::move(file)),
       start_(options.start),
       room_(options.room),
-      bus_{code_of(0)},
+      bus_(0),
       end_(options.start),
       written_(options.start) {
     write_header(options);
@@ -118,7 +121,7 @@ void VcdWriter::write_header(const VcdOptions& options) {
     header += "$enddefinitions $end\n";
     header += "#0\n";
     header += "$dumpvars\n";
-    header += '1' + bus_.code + '\n';
+    header += bus_.changes[1];
     initial_values_at_ = header.size();
     header += room(initial_value_octets);
     header += "$end\n";
@@ -159,7 +162,7 @@ std::optional<VcdWriter::LinesIndex> VcdWriter::lines_for(std::string_view wante
     }
     if (lines_.size() == room_) return std::nullopt;
     const LinesIndex index = lines_.size();
-    lines_.push_back({std::move(name), {code_of(1 + 2 * index)}, {code_of(2 + 2 * index)}});
+    lines_.push_back({std::move(name), Wire{1 + 2 * index}, Wire{2 + 2 * index}});
     declare(index);
     return index;
 }
@@ -170,8 +173,8 @@ void VcdWriter::declare(LinesIndex index) {
                     padded(declaration(lines.tx.code, lines.name + "_tx"), declaration_octets) +
                         padded(declaration(lines.rx.code, lines.name + "_rx"), declaration_octets));
     file_.overwrite(initial_values_at_ + 2 * index * initial_value_octets,
-                    padded('1' + lines.tx.code + '\n', initial_value_octets) +
-                        padded('1' + lines.rx.code + '\n', initial_value_octets));
+                    padded(lines.tx.changes[1], initial_value_octets) +
+                        padded(lines.rx.changes[1], initial_value_octets));
 }
 
 void VcdWriter::bit(const sim::BusBit& bit) {
@@ -200,7 +203,7 @@ void VcdWriter::set(Wire& wire, std::uint8_t level, TimePoint time) {
     if (level == wire.level) return;
     wire.level = level;
     write_time(time);
-    file_.append((level == 0 ? '0' : '1') + wire.code + '\n');
+    file_.append(wire.changes[level]);
 }
 
 void VcdWriter::write_time(TimePoint time) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -36,6 +37,13 @@ struct VcdOptions {
 ///
 ///     auto vcd = VcdWriter::create("bus.vcd");
 ///     bus.set_bit_observer(vcd->get());
+///
+/// sigrok-cli and PulseView take a sample each nanosecond unless told otherwise. Ten in each bit
+/// are enough, here at 500 kbit/s:
+///
+///     sigrok-cli -I vcd:downsample=200 -i bus.vcd -P can:can_rx=bus:nominal_bitrate=500000 -A can
+///
+/// Not safe for use by two threads at once.
 class VcdWriter final : public sim::BitObserver {
   public:
     /// Makes the file, or empties it. The error is a sentence for people; among others the file
@@ -62,7 +70,9 @@ class VcdWriter final : public sim::BitObserver {
 
   private:
     struct Wire {
+        explicit Wire(std::size_t number);
         std::string code;
+        std::array<std::string, 2> changes;  ///< the lines for a change to 0 and to 1
         std::uint8_t level = 1;
     };
     struct Lines {
