@@ -6,7 +6,6 @@
 namespace canorb::can::sim {
 namespace {
 
-constexpr int stuff_run = 5;
 constexpr int flag_bits = 6;
 constexpr int delimiter_bits = 8;
 constexpr int end_of_frame_bits = 7;
@@ -14,8 +13,6 @@ constexpr int intermission_length = static_cast<int>(intermission_bits);
 constexpr int dominant_bits_tolerated = 8;  // the eighth is the first that counts
 constexpr int identifier_bits = 11;
 constexpr int extended_identifier_bits = 18;
-constexpr int crc_bits = 15;
-constexpr std::uint32_t crc_polynomial = 0x4599;
 
 /// ACK delimiter and EOF: the recessive bits with which an acknowledged frame ends.
 constexpr int recessive_end_bits = 1 + end_of_frame_bits;
@@ -30,7 +27,8 @@ BitStreamProcessor::BitStreamProcessor(bool automatic_recovery, std::uint64_t re
     }
 }
 
-BitStreamProcessor::Events BitStreamProcessor::step(std::uint8_t seen) {
+BitStreamProcessor::Events BitStreamProcessor::step_any(std::uint8_t seen) {
+    may_join_ = false;
     const ControllerState before = status().state;
     Events events = dispatch(seen);
     if (status().state != before) {
@@ -110,6 +108,8 @@ void BitStreamProcessor::start(const StuffedBits& bits, bool extended) {
 void BitStreamProcessor::enter_field(FrameField field, int width) {
     field_ = field;
     width_ = width;
+    // Data is stored octet by octet.
+    field_step_ = static_cast<std::uint8_t>(field == FrameField::data ? 8 : width);
     index_ = 0;
     value_ = 0;
 }
@@ -123,7 +123,6 @@ bool BitStreamProcessor::in_arbitration() const {
 }
 
 BitStreamProcessor::Events BitStreamProcessor::step_stuffed(std::uint8_t seen) {
-    may_join_ = false;
     Events events = 0;
     if (run_ == stuff_run) {
         if (seen == last_) {
@@ -159,15 +158,12 @@ BitStreamProcessor::Events BitStreamProcessor::step_stuffed(std::uint8_t seen) {
 }
 
 void BitStreamProcessor::accept(std::uint8_t seen) {
-    if (run_ == stuff_run) stuffed_after_ = {field_, static_cast<std::uint8_t>(index_), true};
-    const bool feedback = ((crc_ >> (crc_bits - 1)) ^ seen) != 0;
-    crc_ = (crc_ << 1) & ((1U << crc_bits) - 1);
-    if (feedback) crc_ ^= crc_polynomial;
-    value_ = (value_ << 1) | seen;
-    ++index_;
-    if (field_ == FrameField::data && index_ % 8 == 0) {
+    if (run_ == stuff_run) stuffed_after_ = {field_, index_, true};
+    take(seen);
+    if (field_ == FrameField::data && index_ == field_step_) {
         frame_.data[static_cast<std::size_t>(index_ / 8 - 1)] =
             static_cast<std::uint8_t>(value_ & 0xFFU);
+        field_step_ = static_cast<std::uint8_t>(field_step_ + 8);
     }
     if (index_ == width_) finish_field();
 }
@@ -381,9 +377,9 @@ BitStreamProcessor::Events BitStreamProcessor::step_between(std::uint8_t seen) {
                 // Taken for a SOF. Who has a frame to send goes on with its identifier.
                 const bool suspended = transmitter_ && !confinement_.is_active();
                 begin_frame();
-                const Events events = step_stuffed(seen);
+                step_stuffed(seen);
                 may_join_ = !suspended;
-                return events;
+                return may_join_ ? joinable : Events{0};
             }
         default:
             run_ = 0;
@@ -501,7 +497,7 @@ FramePosition BitStreamProcessor::position() const {
     switch (state_) {
         case State::stuffed:
             if (run_ == stuff_run) return stuffed_after_;
-            return {field_, static_cast<std::uint8_t>(index_), false};
+            return {field_, index_, false};
         case State::crc_delimiter:
             return counted(FrameField::crc_delimiter);
         case State::ack_slot:

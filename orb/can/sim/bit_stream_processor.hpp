@@ -31,6 +31,7 @@ class BitStreamProcessor {
     static constexpr Events sent = 4;      ///< at the end of EOF
     static constexpr Events received = 8;  ///< at the end of EOF
     static constexpr Events status_changed = 16;
+    static constexpr Events joinable = 32;  ///< may_start() in the middle of a frame
 
     /// Recessive bits between which a node may take part again.
     static constexpr int integration_bits = 11;
@@ -45,7 +46,7 @@ class BitStreamProcessor {
     std::uint8_t driven() const { return driven_; }
 
     /// The bit time is over; `seen` is the level that was sampled.
-    Events step(std::uint8_t seen);
+    Events step(std::uint8_t seen) { return step_plain(seen) ? Events{0} : step_any(seen); }
 
     /// Begins a frame with the bit to come. Only where may_start().
     void start(const StuffedBits& bits, bool extended);
@@ -58,6 +59,23 @@ class BitStreamProcessor {
     bool is_between_frames() const { return state_ <= State::intermission; }
     /// In a frame, an error or overload frame, or the intermission after it.
     bool is_busy() const { return state_ >= State::intermission; }
+    /// Of several processors the lowest and the highest tell: whether any is_idle(), and whether
+    /// all are between frames, or any is busy.
+    struct Activity {
+        std::uint8_t lowest = 0xFF;
+        std::uint8_t highest = 0;
+
+        void add(const BitStreamProcessor& processor) {
+            const auto state = static_cast<std::uint8_t>(processor.state_);
+            lowest = state < lowest ? state : lowest;
+            highest = state > highest ? state : highest;
+        }
+        bool any_idle() const { return lowest == static_cast<std::uint8_t>(State::idle); }
+        bool any_busy() const { return highest >= static_cast<std::uint8_t>(State::intermission); }
+        bool all_between_frames() const {
+            return highest <= static_cast<std::uint8_t>(State::intermission);
+        }
+    };
     bool is_integrating() const { return state_ == State::integrating; }
     /// Neither bus-off nor still waiting for its first 11 recessive bits.
     bool takes_part() const { return state_ != State::bus_off && state_ != State::integrating; }
@@ -123,6 +141,31 @@ class BitStreamProcessor {
         overload_delimiter,
     };
 
+    static constexpr int stuff_run = 5;
+    static constexpr int crc_bits = 15;
+    static constexpr std::uint32_t crc_polynomial = 0x4599;
+
+    /// Nine of ten bits: inside a field, not stuffed, as sent. False: it is not one of these, and
+    /// nothing is done yet.
+    bool step_plain(std::uint8_t seen) {
+        const int run = seen == last_ ? run_ + 1 : 1;
+        const bool is_plain = state_ == State::stuffed && run < stuff_run && run_ != stuff_run &&
+                              index_ + 1 < field_step_ && (seen == driven_ || !transmitter_);
+        if (!is_plain) return false;
+        run_ = run;
+        last_ = seen;
+        take(seen);
+        driven_ = transmitter_ ? bits_.bits[next_bit_++] : 1;
+        return true;
+    }
+    void take(std::uint8_t seen) {
+        const std::uint32_t feedback = (crc_ >> (crc_bits - 1)) ^ seen;
+        crc_ = ((crc_ << 1) & ((1U << crc_bits) - 1)) ^ (crc_polynomial & (0U - feedback));
+        value_ = (value_ << 1) | seen;
+        ++index_;
+    }
+
+    Events step_any(std::uint8_t seen);
     Events step_stuffed(std::uint8_t seen);
     Events step_tail(std::uint8_t seen);
     Events step_flag(std::uint8_t seen);
@@ -145,10 +188,21 @@ class BitStreamProcessor {
     Events flag_bit_error();
     bool count_recessive(std::uint64_t bits);
 
-    FaultConfinement confinement_;
+    // What every bit needs.
     State state_ = State::idle;
     std::uint8_t driven_ = 1;
-    bool transmitter_ = false;  ///< of the frame, until it is over or the arbitration lost
+    bool transmitter_ = false;     ///< of the frame, until it is over or the arbitration lost
+    std::uint8_t last_ = 1;        ///< the bit before
+    int run_ = 0;                  ///< equal bits up to it
+    std::uint8_t index_ = 0;       ///< in the field
+    std::uint8_t field_step_ = 0;  ///< the end of the field, or of the octet of data
+    FrameField field_ = FrameField::idle;
+    std::uint32_t value_ = 0;  ///< of the field
+    std::uint32_t crc_ = 0;
+    std::size_t next_bit_ = 0;
+    StuffedBits bits_;
+
+    FaultConfinement confinement_;
     bool may_join_ = false;
     bool listen_only_ = false;
     bool silent_ = false;  ///< listen-only, in this frame
@@ -157,21 +211,12 @@ class BitStreamProcessor {
     /// Rule 3, exception 1: a dominant bit in this passive error flag would count.
     bool unacknowledged_ = false;
 
-    std::uint8_t last_ = 1;  ///< the bit before
-    int run_ = 0;            ///< equal bits up to it
-    int count_ = 0;          ///< bits of the present state
-    int sequences_ = 0;      ///< of 11 recessive bits, in bus-off
+    int count_ = 0;      ///< bits of the present state
+    int sequences_ = 0;  ///< of 11 recessive bits, in bus-off
 
-    FrameField field_ = FrameField::idle;
-    int width_ = 0;
-    int index_ = 0;
+    int width_ = 0;  ///< of the field
     FramePosition stuffed_after_;
-    std::uint32_t value_ = 0;
-    std::uint32_t crc_ = 0;
     Frame frame_;
-
-    StuffedBits bits_;
-    std::size_t next_bit_ = 0;
     bool sends_extended_ = false;
 
     std::uint8_t lost_at_ = 0;

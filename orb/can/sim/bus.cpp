@@ -49,6 +49,7 @@ void Bus::detach(NodeIndex index) {
         !node.processor.is_between_frames() || (is_dominant() && node.processor.takes_part());
     if (in_frame) {
         node.leave();
+        ++leaving_;
     } else {
         remove(static_cast<std::size_t>(index));
     }
@@ -69,6 +70,15 @@ void Bus::remove(std::size_t index) {
     if (planned_ == node) planned_.reset();
     if (disturbance_ != nullptr) disturbance_->node_detached(node);
     if (observer_ != nullptr) observer_->node_detached(node);
+}
+
+void Bus::remove_leaving() {
+    for (std::size_t i = 0; i < nodes_.size(); ++i) {
+        if (!nodes_[i] || !nodes_[i]->leaving || !nodes_[i]->processor.is_between_frames())
+            continue;
+        remove(i);
+        --leaving_;
+    }
 }
 
 void Bus::rebuild_present() {
@@ -438,7 +448,6 @@ void Bus::end_jump() {
     bit_ = jump.end_bit;
     recessive_bits_ = bits_after_ack_slot;
     if (trace_) trace_(jump.completed);
-    bool somebody_leaves = false;
     for (const std::size_t i : present_) {
         Node& node = *nodes_[i];
         if (!node.processor.takes_part()) {
@@ -465,12 +474,8 @@ void Bus::end_jump() {
             node.end_received(jump.completed.frame, time_);
         }
         if (node.processor.status().state != before) node.tell_status(time_);
-        somebody_leaves = somebody_leaves || node.leaving;
     }
-    if (!somebody_leaves) return;
-    for (std::size_t i = 0; i < nodes_.size(); ++i) {
-        if (nodes_[i] && nodes_[i]->leaving) remove(i);
-    }
+    if (leaving_ > 0) remove_leaving();
 }
 
 // ---- moving on

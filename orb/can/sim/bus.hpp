@@ -151,6 +151,7 @@ class Bus {
     const Node& at(NodeIndex node) const;
     bool is_dominant() const;
     void remove(std::size_t index);
+    void remove_leaving();
     void rebuild_present();
 
     // Time: bit n begins at time_of(n).
@@ -219,6 +220,7 @@ class Bus {
 
     std::vector<std::unique_ptr<Node>> nodes_;
     std::vector<std::size_t> present_;  ///< indices of nodes_ that there are
+    std::size_t leaving_ = 0;           ///< how many of them are detached
     std::vector<std::uint8_t> driven_;
     std::vector<std::uint8_t> wire_;
     std::vector<std::uint8_t> seen_;

@@ -87,32 +87,25 @@ void Bus::end_bit() {
     } else {
         for (const std::size_t i : present_) level &= nodes_[i]->processor.driven();
     }
-    bool quiet = level != 0;
-    bool busy = false;
-    bool may_start = false;
-    bool leaves = false;
+    BitStreamProcessor::Activity activity;
+    bool joinable = false;
     if (busy_ || level == 0) ++statistics_.busy_bits;
     for (const std::size_t i : present_) {
         Node& node = *nodes_[i];
         const auto events = node.processor.step(watched ? seen_[i] : level);
-        if (events != 0) handle(i, events);
-        quiet = quiet && node.processor.is_between_frames();
-        busy = busy || node.processor.is_busy();
-        may_start = may_start || node.processor.may_start();
-        leaves = leaves || node.leaving;
+        if (events != 0) {
+            handle(i, events);
+            joinable = joinable || (events & BitStreamProcessor::joinable) != 0;
+        }
+        activity.add(node.processor);
     }
     ++bit_;
     recessive_bits_ = level != 0 ? recessive_bits_ + 1 : 0;
-    busy_ = busy;
-    may_start_ = may_start;
+    busy_ = activity.any_busy();
+    may_start_ = joinable || activity.any_idle();
     if (disturbed) look_for_disturbance();
-    if (leaves) {
-        for (std::size_t i = 0; i < nodes_.size(); ++i) {
-            if (nodes_[i] && nodes_[i]->leaving && nodes_[i]->processor.is_between_frames()) {
-                remove(i);
-            }
-        }
-    }
+    if (leaving_ > 0) remove_leaving();
+    const bool quiet = level != 0 && activity.all_between_frames();
     if (!quiet || (frame_disturbed_ && bit_ < frame_end_bit_)) return;
     in_error_ = false;
     planned_.reset();

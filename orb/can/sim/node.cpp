@@ -10,8 +10,8 @@ constexpr std::size_t basic_can_filters = 2;
 }  // namespace
 
 Node::Node(const NodeOptions& node_options, std::uint64_t recessive_bits)
-    : options(node_options),
-      processor(node_options.automatic_recovery, recessive_bits),
+    : processor(node_options.automatic_recovery, recessive_bits),
+      options(node_options),
       events(node_options.receive_capacity) {
     mailboxes_.reserve(options.mailboxes);
     filters_.reserve(std::max(options.filter_list, basic_can_filters));

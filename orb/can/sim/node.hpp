@@ -65,8 +65,8 @@ class Node {
     /// The mailbox that is not waiting, if any.
     const Mailbox* on_bus() const;
 
-    NodeOptions options;
     BitStreamProcessor processor;
+    NodeOptions options;
     EventQueue events;
     NodeStatistics statistics;
     bool leaving = false;  ///< detached, and still in a frame
