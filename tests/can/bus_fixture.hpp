@@ -5,22 +5,17 @@
 #include <array>
 #include <cstdint>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "orb/can/sim/bus.hpp"
 #include "orb/can/sim/controller.hpp"
-#include "tests/support/octets.hpp"
+#include "tests/can/frames.hpp"
 
 namespace canorb::can::sim::test {
 
 using namespace std::chrono_literals;
 
 inline constexpr std::array<Filter, 2> everything{Filter{0, 0, false}, Filter{0, 0, true}};
-
-inline Frame standard(std::uint32_t id, std::string_view data = "") {
-    return Frame::standard(id, canorb::test::octets(data));
-}
 
 /// A node that accepts everything.
 class TestNode : public Controller {

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include "orb/can/frame.hpp"
+#include "tests/support/octets.hpp"
+
+// Frames in a few words, for tests of the bus.
+namespace canorb::can::sim::test {
+
+inline Frame standard(std::uint32_t id, std::string_view data = "") {
+    return Frame::standard(id, canorb::test::octets(data));
+}
+
+inline Frame extended(std::uint32_t id, std::string_view data = "") {
+    Frame frame = standard(id, data);
+    frame.extended = true;
+    return frame;
+}
+
+inline Frame remote(Frame frame, std::uint8_t dlc = 0) {
+    frame.remote = true;
+    frame.length = dlc;
+    return frame;
+}
+
+}  // namespace canorb::can::sim::test
