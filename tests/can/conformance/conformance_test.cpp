@@ -435,7 +435,8 @@ TEST_P(WaitingFrames, ListenOnlyReceivesButNeitherSendsNorAcknowledges) {
     if (GetParam().sent_is_acknowledged) {
         EXPECT_THAT(sender.results, IsEmpty());
     }
-    EXPECT_THAT(listener.received, IsEmpty());
+    // The listener may have it by now, more than once: an error passive sender's flag is recessive,
+    // and what it does not disturb is a frame.
     Station& third = station();
     ASSERT_TRUE(until([&] { return !sender.results.empty() && !listener.received.empty(); }));
     expect_sentinel(sender, third);
