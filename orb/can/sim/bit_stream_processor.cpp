@@ -271,22 +271,21 @@ BitStreamProcessor::Events BitStreamProcessor::fail(ErrorKind kind, FramePositio
             confinement_.transmitter_sends_error_flag();
         }
     }
-    // The error that makes a node passive still has an active flag (rule 9).
-    enter(is_passive ? State::passive_error_flag : State::active_error_flag);
-    driven_ = is_passive ? 1 : 0;
-    run_ = 0;
+    begin_error_flag(is_passive);
     return detected_error;
 }
 
 BitStreamProcessor::Events BitStreamProcessor::flag_bit_error() {
     error_ = {ErrorKind::bit, position(), transmitter_};
+    const bool is_passive = !confinement_.is_active();
     confinement_.bit_error_in_flag(transmitter_);
-    begin_error_flag();
+    begin_error_flag(is_passive);
     return detected_error;
 }
 
-void BitStreamProcessor::begin_error_flag() {
-    const bool is_passive = silent_ || !confinement_.is_active();
+/// `is_passive`: before the error was counted. The one that makes a node passive still has an
+/// active flag (rule 9).
+void BitStreamProcessor::begin_error_flag(bool is_passive) {
     enter(is_passive ? State::passive_error_flag : State::active_error_flag);
     driven_ = is_passive ? 1 : 0;
     run_ = 0;

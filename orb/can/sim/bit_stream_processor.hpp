@@ -180,7 +180,7 @@ class BitStreamProcessor {
     bool in_arbitration() const;
     void enter(State state);
     void leave_intermission();
-    void begin_error_flag();
+    void begin_error_flag(bool is_passive);
     void begin_overload_flag();
     void enter_bus_off();
     Events dispatch(std::uint8_t seen);
