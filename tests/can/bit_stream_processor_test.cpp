@@ -235,7 +235,7 @@ TEST(Arbitration, ADominantBitThatIsRecessiveOnTheBusIsABitError) {
 /// The frame that a lone receiver makes of these levels, of which the ACK slot is its own. They end
 /// with EOF.
 std::optional<Frame> received(std::string_view levels) {
-    BitStreamProcessor processor{false, BitStreamProcessor::integration_bits};
+    BitStreamProcessor processor = new_processor();
     std::optional<Frame> frame;
     for (const char c : levels) {
         if (c == ' ') continue;
@@ -391,7 +391,7 @@ TEST(ListenOnly, CountsNoSuccessEither) {
 }
 
 TEST(ListenOnly, SendsNoOverloadFlag) {
-    BitStreamProcessor processor{false, BitStreamProcessor::integration_bits};
+    BitStreamProcessor processor = new_processor();
     processor.set_listen_only(true, false);
     feed(processor, "0 10101010101 000 00100 110011101001100 1 0 1 1111111 1 0");
     EXPECT_EQ(processor.driven(), 1);

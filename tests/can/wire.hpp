@@ -25,6 +25,10 @@ inline FramePosition stuff_after(FrameField field, int index = 0) {
     return {field, static_cast<std::uint8_t>(index), true};
 }
 
+inline BitStreamProcessor new_processor() {
+    return BitStreamProcessor{false, BitStreamProcessor::integration_bits};
+}
+
 /// Bit stream processors on a wire, and drawings of the bits to come that they must agree with:
 ///
 ///     Wire wire{"AB"};
@@ -50,7 +54,7 @@ class Wire {
         friend bool operator==(const Error&, const Error&) = default;
     };
     struct Node {
-        BitStreamProcessor processor{false, BitStreamProcessor::integration_bits};
+        BitStreamProcessor processor = new_processor();
         std::optional<Frame> to_send{};
         std::vector<int> sent{};  ///< bits at which a frame was sent
         std::vector<int> received_at{};
@@ -175,11 +179,16 @@ class Wire {
     int bit_ = 0;
 };
 
-/// Levels that a single processor sees, one after the other; blanks are for the reader.
+/// Levels that a single processor sees, one after the other: 0, 1, and I for an inserted recessive
+/// bit, O for a dominant one. Blanks are for the reader.
 inline void feed(BitStreamProcessor& processor, std::string_view levels) {
     for (const char c : levels) {
-        if (c != ' ') processor.step(c == '1' ? 1 : 0);
+        if (c != ' ') processor.step(c == '1' || c == 'I' ? 1 : 0);
     }
+}
+
+inline void begin(BitStreamProcessor& processor, const Frame& frame) {
+    processor.start(stuffed_bits(frame), frame.extended);
 }
 
 /// Sees what it drives until it may send.
@@ -190,7 +199,7 @@ inline void settle(BitStreamProcessor& processor) {
 /// Its SOF cannot be seen: rule 3, TEC + 8 each time.
 inline void fail_as_transmitter(BitStreamProcessor& processor, int times) {
     for (; times > 0; --times) {
-        processor.start(stuffed_bits(standard(0x555)), false);
+        begin(processor, standard(0x555));
         processor.step(1);
         settle(processor);
     }
