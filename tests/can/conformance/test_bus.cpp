@@ -217,7 +217,11 @@ std::vector<LinkKind> all_links() {
 void Station::drain() {
     if (!controller_) return;
     while (const auto event = controller_->poll()) {
-        if (const auto* frame = std::get_if<Received>(&*event)) received.push_back(*frame);
+        if (const auto* frame = std::get_if<Received>(&*event)) {
+            const bool repeated = !received.empty() && received.back().frame == frame->frame;
+            if (repeated && drops_repetitions) received.pop_back();
+            received.push_back(*frame);
+        }
         if (const auto* result = std::get_if<TransmitResult>(&*event)) results.push_back(*result);
         if (const auto* change = std::get_if<StateChanged>(&*event)) states.push_back(*change);
         if (const auto* loss = std::get_if<FramesLost>(&*event)) lost += loss->count;

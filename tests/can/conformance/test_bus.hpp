@@ -78,6 +78,9 @@ class Station {
     std::vector<TransmitResult> results;
     std::vector<StateChanged> states;
     std::uint64_t lost = 0;
+    /// Of the same frame several times in a row only the last is kept. A silent node hears that
+    /// of a lone sender which is error passive: its flag is recessive, and disturbs nothing.
+    bool drops_repetitions = false;
 
   private:
     std::unique_ptr<Controller> controller_;
