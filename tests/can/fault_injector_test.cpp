@@ -515,6 +515,12 @@ TEST(FaultInjector, DrawsForNamedNodesOnly) {
     EXPECT_GE(wire.injector.next(wire.now), wire.now);
 }
 
+TEST(FaultInjector, MayBeToldOfANodeTwice) {
+    Wire wire{"bit-error-rate 1 b"};
+    wire.injector.node_attached(b, "b");
+    EXPECT_EQ(wire.idle_bit(), (Levels{1, 0, 1})) << "two flips would cancel";
+}
+
 TEST(FaultInjector, DoesNotMakeUpForBitsThatItWasNotAskedFor) {
     Wire wire{"bit-error-rate 0.01 wire"};
     wire.now = at(10min);

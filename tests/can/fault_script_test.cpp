@@ -260,11 +260,17 @@ TEST(FaultScript, SaysWhatToWrite) {
         {"frame from at sof flip wire",
          "1:12: write a node's name here (in quotes if that is its name)"},
         {"frame 123 sof flip wire",
-         "1:11: write \"from\" and a node, \"attempt\" and a number, or "
-         "\"at\" and a place in the frame here"},
+         "1:11: "
+         "write \"from\" and a node, then \"attempt\" and a number, or \"at\" and a place in the "
+         "frame here"},
         {"frame from a sof flip wire",
-         "1:14: write \"attempt\" and a number, or \"at\" and a place in the frame here"},
-        {"frame attempt 1 sof flip wire", "1:17: write \"at\" and a place in the frame here"},
+         "1:14: "
+         "write \"from\" and a node, then \"attempt\" and a number, or \"at\" and a place in the "
+         "frame here"},
+        {"frame attempt 1 from a at sof flip wire",
+         "1:17: "
+         "write \"from\" and a node, then \"attempt\" and a number, or \"at\" and a place in the "
+         "frame here"},
         {"frame attempt 0 at sof flip wire",
          "1:15: write which attempt, counted from 1, such as "
          "3, or from which to which, such as 1..16"},

@@ -108,8 +108,8 @@ FaultInjector::FaultInjector(FaultScript script, std::uint32_t bitrate, TimePoin
         if (const auto* at = std::get_if<AtTime>(&fault.trigger)) {
             timers_.push_back({i, start_ + at->first.at(bitrate_)});
         } else if (const auto* in_frame = std::get_if<InFrame>(&fault.trigger)) {
-            if (in_frame->sender) intern(*in_frame->sender);
-            frame_triggers_.push_back({i, 0});
+            const Name sender = in_frame->sender ? intern(*in_frame->sender) : Name::unnamed;
+            frame_triggers_.push_back({i, sender, 0});
         } else if (fault.targets.scope == FaultTargets::Scope::wire) {
             add_lottery(i, true, NodeIndex{});
         }
@@ -136,6 +136,7 @@ std::vector<std::string> FaultInjector::absent_names() const {
 
 void FaultInjector::node_attached(NodeIndex node, std::string_view name) {
     if (nodes_.size() <= index_of(node)) nodes_.resize(index_of(node) + 1);
+    remove_lotteries(node);  // it may be told twice, by a bus that was left and taken again
     nodes_[index_of(node)] = Node{true, find(name)};
     const Name found = nodes_[index_of(node)].name;
     if (found != Name::unnamed) name_attached_[static_cast<std::size_t>(found)] = true;
@@ -150,9 +151,13 @@ void FaultInjector::node_attached(NodeIndex node, std::string_view name) {
 void FaultInjector::node_detached(NodeIndex node) {
     assert(index_of(node) < nodes_.size());
     nodes_[index_of(node)] = Node{};
+    remove_lotteries(node);
+    find_next();
+}
+
+void FaultInjector::remove_lotteries(NodeIndex node) {
     std::erase_if(lotteries_,
                   [&](const Lottery& lottery) { return !lottery.wire && lottery.node == node; });
-    find_next();
 }
 
 bool FaultInjector::begin_frame(const PlannedFrame& planned) {
@@ -164,7 +169,9 @@ bool FaultInjector::begin_frame(const PlannedFrame& planned) {
     for (FrameTrigger& trigger : frame_triggers_) {
         const auto& when = *std::get_if<InFrame>(&script_.faults[trigger.fault].trigger);
         if (!matches(when, planned.frame)) continue;
-        if (when.sender && nodes_[index_of(planned.sender)].name != find(*when.sender)) continue;
+        const bool is_sender = trigger.sender == Name::unnamed ||
+                               trigger.sender == nodes_[index_of(planned.sender)].name;
+        if (!is_sender) continue;
         ++trigger.attempts;
         if (trigger.attempts < when.first_attempt || trigger.attempts > when.last_attempt) continue;
         const bool is_in_field = when.place.field != FramePlace::Field::stuff_bit &&

@@ -66,7 +66,8 @@ class FaultInjector : public Disturbance {
 
     struct FrameTrigger {
         std::size_t fault = 0;
-        std::uint64_t attempts = 0;  ///< that matched
+        Name sender = Name::unnamed;  ///< anybody
+        std::uint64_t attempts = 0;   ///< that matched
     };
 
     /// A fault that acts on the present frame when its place comes.
@@ -108,6 +109,7 @@ class FaultInjector : public Disturbance {
     std::uint64_t first_bit_at(TimePoint time) const;
     void draw(Lottery& lottery, TimePoint from);
     void add_lottery(std::size_t fault, bool wire, NodeIndex node);
+    void remove_lotteries(NodeIndex node);
     TimePoint timer_after(std::size_t fault, TimePoint time) const;
     void find_next();
 

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <array>
-#include <span>
 #include <utility>
+
+#include "orb/can/sim/fault_script_numbers.hpp"
 
 namespace canorb::can::sim {
 namespace {
@@ -75,97 +76,6 @@ bool is_space(char c) {
     return c == ' ' || c == '\t';
 }
 
-bool is_digit(char c) {
-    return c >= '0' && c <= '9';
-}
-
-std::string_view take_digits(std::string_view& text) {
-    std::size_t count = 0;
-    while (count < text.size() && is_digit(text[count])) ++count;
-    const std::string_view digits = text.substr(0, count);
-    text.remove_prefix(count);
-    return digits;
-}
-
-/// Nothing where it is empty, has something else than digits, or is above `highest`.
-std::optional<std::uint64_t> parse_number(std::string_view text, int base, std::uint64_t highest) {
-    if (text.empty()) return std::nullopt;
-    const auto factor = static_cast<std::uint64_t>(base);
-    std::uint64_t value = 0;
-    for (const char c : text) {
-        std::uint64_t digit = factor;
-        if (is_digit(c)) digit = static_cast<std::uint64_t>(c - '0');
-        if (c >= 'a' && c <= 'f') digit = static_cast<std::uint64_t>(c - 'a' + 10);
-        if (c >= 'A' && c <= 'F') digit = static_cast<std::uint64_t>(c - 'A' + 10);
-        if (digit >= factor || digit > highest || value > (highest - digit) / factor)
-            return std::nullopt;
-        value = value * factor + digit;
-    }
-    return value;
-}
-
-/// `text` is a number with or without a fraction. Nothing where it is none, or is not a whole
-/// number of nanoseconds, or too many.
-std::optional<std::uint64_t> parse_nanoseconds(std::string_view text, std::uint64_t unit) {
-    const std::string_view whole = take_digits(text);
-    const auto value = parse_number(whole, 10, FaultTime::highest_nanoseconds / unit);
-    if (!value) return std::nullopt;
-    std::uint64_t nanoseconds = *value * unit;
-    if (text.empty()) return nanoseconds;
-    text.remove_prefix(1);
-    if (text.empty()) return std::nullopt;
-    for (const char digit : text) {
-        if (unit % 10 != 0 || !is_digit(digit)) return std::nullopt;
-        unit /= 10;
-        nanoseconds += unit * static_cast<std::uint64_t>(digit - '0');
-    }
-    if (nanoseconds > FaultTime::highest_nanoseconds) return std::nullopt;
-    return nanoseconds;
-}
-
-/// 0.001, 1e-3 and 2.5e-4, above 0 and up to 1: times 2 to the 64.
-std::optional<std::uint64_t> parse_probability(std::string_view text) {
-    constexpr std::uint64_t most_digits = 18;  // a number of them is below 2 to the 60
-    const std::string_view whole = take_digits(text);
-    std::string_view fraction;
-    if (!text.empty() && text[0] == '.') {
-        text.remove_prefix(1);
-        fraction = take_digits(text);
-        if (fraction.empty()) return std::nullopt;
-    }
-    std::uint64_t exponent = 0;
-    if (!text.empty() && (text[0] == 'e' || text[0] == 'E')) {
-        if (text.size() < 2 || text[1] != '-') return std::nullopt;
-        const auto number = parse_number(text.substr(2), 10, most_digits);
-        if (!number) return std::nullopt;
-        exponent = *number;
-        text = {};
-    }
-    exponent += fraction.size();
-    if (whole.empty() || !text.empty() || exponent > most_digits) return std::nullopt;
-    std::uint64_t divisor = 1;
-    for (std::uint64_t i = 0; i < exponent; ++i) divisor *= 10;
-    std::uint64_t remainder = 0;
-    for (const std::string_view digits : {whole, fraction}) {
-        for (const char digit : digits) {
-            remainder = remainder * 10 + static_cast<std::uint64_t>(digit - '0');
-            if (remainder > divisor) return std::nullopt;
-        }
-    }
-    if (remainder == divisor) return UINT64_MAX;
-    std::uint64_t scaled = 0;
-    for (int bit = 0; bit < 64; ++bit) {
-        remainder *= 2;
-        scaled *= 2;
-        if (remainder >= divisor) {
-            remainder -= divisor;
-            ++scaled;
-        }
-    }
-    if (scaled == 0) return std::nullopt;
-    return scaled;
-}
-
 /// Reads one line. After the first failure nothing more is taken.
 class LineParser {
   public:
@@ -202,8 +112,7 @@ class LineParser {
             const std::size_t begin = at;
             if (c == '"') {
                 const std::size_t end = line_.find('"', at + 1);
-                if (end == std::string_view::npos)
-                    return fail(at + 1, "write a \" at the end of the name");
+                if (end == line_.npos) return fail(at + 1, "write a \" at the end of the name");
                 if (end == at + 1) return fail(at + 1, "write a name between the quotes");
                 tokens_.push_back({line_.substr(at + 1, end - at - 1), begin + 1, true});
                 at = end + 1;
@@ -293,19 +202,15 @@ class LineParser {
         }
         const Unit* unit = look_up(units, unit_name);
         if (unit == nullptr) return fail("write a time with its unit: ns, us, ms, s or bits");
-        std::optional<std::uint64_t> amount;
-        if (unit->nanoseconds == 0) {
-            amount = parse_number(number, 10, FaultTime::highest_bits);
-            if (!amount) return fail("write a whole number of bits, at most 1000000000000");
-        } else {
-            amount = parse_nanoseconds(number, unit->nanoseconds);
-            if (!amount) {
-                return fail(
-                    "write a number with at most one point, whole in nanoseconds, at most "
-                    "1000000000s");
-            }
+        const bool in_bits = unit->nanoseconds == 0;
+        const auto amount = in_bits ? parse_number(number, 10, FaultTime::highest_bits)
+                                    : parse_nanoseconds(number, unit->nanoseconds);
+        if (!amount) {
+            return fail(in_bits ? "write a whole number of bits, at most 1000000000000"
+                                : "write a number with at most one point, whole in nanoseconds, at "
+                                  "most 1000000000s");
         }
-        result = FaultTime{*amount, unit->nanoseconds == 0};
+        result = FaultTime{*amount, in_bits};
         ++next_;
         return true;
     }
@@ -322,18 +227,15 @@ class LineParser {
         const bool has_id = !is_next("from") && !is_next("attempt") && !is_next("at");
         if (has_id && !identifier(when)) return false;
         if (take("from")) {
-            std::string sender;
-            if (!name(sender)) return false;
-            when.sender = std::move(sender);
+            when.sender.emplace();
+            if (!name(*when.sender)) return false;
         }
         if (take("attempt") && !attempts(when)) return false;
         if (!take("at")) {
             return fail(
-                when.last_attempt != UINT64_MAX ? "write \"at\" and a place in the frame here"
-                : when.sender
-                    ? "write \"attempt\" and a number, or \"at\" and a place in the frame here"
-                    : "write \"from\" and a node, \"attempt\" and a number, or \"at\" and a "
-                      "place in the frame here");
+                "write \"from\" and a node, then \"attempt\" and a number, or \"at\" and a place "
+                "in "
+                "the frame here");
         }
         if (!place(when.place)) return false;
         fault.trigger = std::move(when);
