@@ -5,6 +5,7 @@
 #include <sys/socket.h>
 
 #include <array>
+#include <functional>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -31,7 +32,9 @@ inline bool readable(int fd) {
 /// A bus daemon in a thread.
 class RunningServer {
   public:
-    explicit RunningServer(BusServerOptions options) {
+    using SetUpBus = std::function<void(sim::Bus&)>;
+
+    explicit RunningServer(BusServerOptions options, const SetUpBus& set_up = {}) {
         options.log = [this](std::string_view sentence) {
             const std::lock_guard lock{mutex_};
             log_ += std::string{sentence} + '\n';
@@ -39,6 +42,7 @@ class RunningServer {
         auto server = BusServer::open(std::move(options));
         EXPECT_TRUE(server) << server.error();
         server_ = std::move(*server);
+        if (set_up) set_up(server_->bus());
         thread_ = std::thread{[this] { EXPECT_EQ(server_->run(), ""); }};
     }
     ~RunningServer() {
@@ -124,7 +128,9 @@ class BusServerTest : public testing::Test {
         result.paced = paced;
         return result;
     }
-    void start(BusServerOptions with) { server_.emplace(std::move(with)); }
+    void start(BusServerOptions with, const RunningServer::SetUpBus& set_up = {}) {
+        server_.emplace(std::move(with), set_up);
+    }
     void start() { start(options()); }
 
     std::string path() const { return directory_.path() + "/bus"; }

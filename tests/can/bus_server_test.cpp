@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <filesystem>
 #include <fstream>
@@ -52,6 +53,15 @@ TEST_F(BusServerSocket, DoesNotReplaceAnotherKindOfFile) {
     ASSERT_FALSE(server);
     EXPECT_EQ(server.error(), path() + " exists and is not a socket");
     EXPECT_TRUE(std::filesystem::exists(path()));
+}
+
+TEST_F(BusServerSocket, IsPrivateToItsUser) {
+    const mode_t before = ::umask(0);
+    start();
+    ::umask(before);
+    struct stat status{};
+    ASSERT_EQ(::stat(path().c_str(), &status), 0);
+    EXPECT_EQ(status.st_mode & 07777U, 0600U);
 }
 
 TEST_F(BusServerSocket, NeedsItsDirectory) {
@@ -297,12 +307,12 @@ TEST_F(BusServerTest, LogsWhoComesAndGoes) {
 TEST_F(BusServerTest, TracesFrames) {
     std::mutex mutex;
     std::vector<Frame> frames;
-    BusServerOptions with = options(false);
-    with.trace = [&](const sim::CompletedFrame& completed) {
-        const std::lock_guard lock{mutex};
-        frames.push_back(completed.frame);
-    };
-    start(with);
+    start(options(false), [&](sim::Bus& bus) {
+        bus.set_trace([&](const sim::CompletedFrame& completed) {
+            const std::lock_guard lock{mutex};
+            frames.push_back(completed.frame);
+        });
+    });
     expect_working_bus();
     const std::lock_guard lock{mutex};
     ASSERT_EQ(frames.size(), 1U);

@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "orb/can/link/link.hpp"
+#include "orb/can/link/pacer.hpp"
 #include "orb/can/link/sharp_timers.hpp"
 #include "orb/can/link/sim_socket.hpp"
 #include "orb/can/sim/protocol.hpp"
@@ -28,6 +29,7 @@ using namespace std::chrono_literals;
 constexpr Duration longest_stall = 100ms;
 /// Without descriptors left for new clients, the time until the next try.
 constexpr Duration accept_pause = 1s;
+constexpr Duration report_interval = 1s;
 /// More than a well-behaved client has to say at once; a flooding one waits for its next turn.
 constexpr int packets_per_turn = 64;
 constexpr int max_accepted_in_a_row = 32;
@@ -103,9 +105,9 @@ class BusServer::Server {
         : options_(std::move(options)),
           listener_(std::move(listener)),
           socket_file_(identity(options_.path)),
-          bus_(options_.bitrate, monotonic_now()) {
-        if (options_.trace) bus_.set_trace(options_.trace);
-    }
+          bus_(options_.bitrate, monotonic_now()),
+          reporter_(bus_),
+          next_report_(options_.report ? bus_.now() + report_interval : never) {}
 
     ~Server() {
         if (socket_file_ && identity(options_.path) == socket_file_) {
@@ -117,6 +119,7 @@ class BusServer::Server {
 
     bool is_open() const { return stop_.is_open(); }
     void stop() const { stop_.raise(); }
+    sim::Bus& bus() { return bus_; }
 
     std::string run() {
         use_sharp_timers();
@@ -124,7 +127,11 @@ class BusServer::Server {
             if (const int error = wait(); error != 0) {
                 return "waiting for clients failed: " + error_text(error);
             }
-            if (stop_requested()) return {};
+            if (stop_requested()) {
+                if (options_.paced) bus_.advance(monotonic_now());
+                tell_report();
+                return {};
+            }
             if ((descriptors_[listener_at].revents & POLLIN) != 0) accept_clients();
             // What all clients have asked for by now has its place in the next arbitration: all are
             // read, because ppoll() tells only what had come before it returned.
@@ -136,6 +143,11 @@ class BusServer::Server {
             } else if (!stalled()) {
                 bus_.advance_one();
             }
+            reporter_.sample();
+            if (now >= next_report_) {
+                next_report_ += report_interval * (1 + (now - next_report_) / report_interval);
+                tell_report();
+            }
             for (auto& client : clients_) write_to(*client);
             remove_gone();
         }
@@ -144,6 +156,18 @@ class BusServer::Server {
   private:
     static constexpr std::size_t stop_at = 0;
     static constexpr std::size_t listener_at = 1;
+
+    BusReport report() const {
+        std::vector<sim::NodeIndex> nodes;
+        for (const auto& client : clients_) {
+            if (!client->gone && client->node) nodes.push_back(*client->node);
+        }
+        return reporter_.report(nodes);
+    }
+
+    void tell_report() const {
+        if (options_.report) options_.report(report());
+    }
 
     void log(const std::string& sentence) const {
         if (options_.log) options_.log(sentence);
@@ -159,6 +183,10 @@ class BusServer::Server {
             descriptors_.push_back({client->socket.get(), static_cast<short>(events), 0});
         }
         std::optional<Duration> timeout = time_to_next_step();
+        if (next_report_ != never) {
+            const Duration to_report = std::max(next_report_ - monotonic_now(), Duration::zero());
+            timeout = std::min(timeout.value_or(to_report), to_report);
+        }
         if (!accepting_) timeout = std::min(timeout.value_or(accept_pause), accept_pause);
         accepting_ = true;
         timespec time{};
@@ -174,8 +202,8 @@ class BusServer::Server {
 
     bool stop_requested() const { return (descriptors_[stop_at].revents & POLLIN) != 0; }
 
-    std::optional<Duration> time_to_next_step() const {
-        const TimePoint next = bus_.next_event();
+    std::optional<Duration> time_to_next_step() {
+        const TimePoint next = options_.paced ? pacer_.wake_at(bus_) : bus_.next_event();
         if (next == never) return std::nullopt;
         if (!options_.paced) {
             if (!stall_ends_) return Duration::zero();
@@ -330,12 +358,22 @@ class BusServer::Server {
         welcome.filter_list = static_cast<std::uint16_t>(options_.controller.filter_list);
         send_packet(client.socket, sim::encode(welcome));
         if (hello.wish != sim::Hello::Wish::controller) {
+            if (hello.wish == sim::Hello::Wish::status) send_report(client);
             client.gone = true;
             return;
         }
         client.name = hello.client_name;
-        client.node = bus_.attach(options_.controller);
+        sim::NodeOptions controller = options_.controller;
+        controller.name = hello.client_name;
+        client.node = bus_.attach(controller);
         log(title(client) + " connected");
+    }
+
+    /// What a socket takes at once is more than that of all nodes.
+    void send_report(const Client& client) const {
+        const BusReport told = report();
+        send_packet(client.socket, sim::encode(told.bus));
+        for (const auto& node : told.nodes) send_packet(client.socket, sim::encode(node));
     }
 
     void obey(Client& client, const sim::SendRequest& request) {
@@ -406,6 +444,9 @@ class BusServer::Server {
     Descriptor listener_;
     std::optional<FileIdentity> socket_file_;
     sim::Bus bus_;
+    BusReporter reporter_;
+    TimePoint next_report_;
+    Pacer pacer_;
     Signal stop_;
     std::vector<std::unique_ptr<Client>> clients_;
     std::vector<Request> requests_;  ///< of this turn
@@ -430,6 +471,10 @@ Result<std::unique_ptr<BusServer>, std::string> BusServer::open(BusServerOptions
 BusServer::BusServer(std::unique_ptr<Server> server) : server_(std::move(server)) {}
 
 BusServer::~BusServer() = default;
+
+sim::Bus& BusServer::bus() {
+    return server_->bus();
+}
 
 std::string BusServer::run() {
     return server_->run();

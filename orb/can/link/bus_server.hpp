@@ -7,26 +7,28 @@
 #include <string_view>
 
 #include "orb/base/result.hpp"
+#include "orb/can/link/bus_report.hpp"
 #include "orb/can/sim/bus.hpp"
 
 namespace canorb::can {
 
 struct BusServerOptions {
     std::string path;                 ///< of the Unix socket to listen at
-    std::uint32_t bitrate = 500'000;  ///< 10 000 to 1 000 000 bit/s
+    std::uint32_t bitrate = 500'000;  ///< 5 000 to 1 000 000 bit/s
     /// On the machine's clock. Otherwise bus time starts there and then moves by frames only, as
     /// fast as the clients keep up.
     bool paced = true;
     std::size_t max_clients = 128;
-    sim::NodeOptions controller;  ///< what each client gets
+    sim::NodeOptions controller;  ///< what each client gets, under the name in its hello
     /// One sentence about a client that came, went or was thrown out.
     std::function<void(std::string_view)> log;
-    /// Each frame that was sent and acknowledged, on the bus's clock.
-    std::function<void(const sim::CompletedFrame&)> trace;
+    /// Called by run() each second while it runs, if there is one, and at its end.
+    std::function<void(const BusReport&)> report;
 };
 
 /// A simulated bus for other processes, behind a Unix socket: what canorb-bus runs
-/// (doc/wire/sim-bus.md). One thread serves everything, in run().
+/// (doc/wire/sim-bus.md). One thread serves everything, in run(). The socket file is for its user
+/// only (mode 0600).
 ///
 /// No client can harm another: what a client has under way is bounded by its mailboxes, what it
 /// has not read by its receive capacity (then it loses frames and is told so); one that sends
@@ -42,6 +44,10 @@ class BusServer {
     ~BusServer();
     BusServer(const BusServer&) = delete;
     BusServer& operator=(const BusServer&) = delete;
+
+    /// To be told of frames and errors, to watch and to disturb it. Only before run(); what is set
+    /// is called by run() and must outlive it. No node is there yet, and it is bus().now().
+    sim::Bus& bus();
 
     /// Serves until stop(). Nothing where it ended so, else why it could not go on.
     std::string run();

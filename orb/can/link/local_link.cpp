@@ -7,9 +7,10 @@
 #include <vector>
 
 #include "orb/can/link/descriptor.hpp"
+#include "orb/can/link/pacer.hpp"
 #include "orb/can/link/sharp_timers.hpp"
-#include "orb/can/sim/controller.hpp"
 #include "orb/can/sim/bus.hpp"
+#include "orb/can/sim/controller.hpp"
 
 namespace canorb::can {
 namespace {
@@ -70,6 +71,7 @@ class LocalBus {
     std::condition_variable changed_;
     sim::Bus bus_;
     std::vector<LocalController*> controllers_;
+    Pacer pacer_;
     TimePoint wake_at_ = never;
     bool stopping_ = false;
     std::thread thread_;  // the last member: it starts when all others are there
@@ -154,7 +156,7 @@ void LocalBus::run() {
     while (!stopping_) {
         bus_.advance(monotonic_now());
         wake_readers();
-        wake_at_ = bus_.next_event();
+        wake_at_ = pacer_.wake_at(bus_);
         if (wake_at_ == never) {
             changed_.wait(lock);
         } else {

@@ -40,23 +40,37 @@ std::optional<sim::ServerPacket> receive_server_packet(const Descriptor& socket,
     return sim::parse_server_packet(Bytes{buffer.data(), size});
 }
 
-/// Blocks until the daemon has answered.
-Result<Admission, std::string> ask(const std::string& path, const sim::Hello& hello) {
-    auto socket = connect_to_bus(path);
-    if (!socket) return Failure{no_bus(path, socket.error())};
-    const std::string who = "the bus at sim:" + path;
-    // A daemon that refuses may have closed already: its reason is there to read all the same.
-    send_packet(*socket, sim::encode(hello));
-    pollfd readable{socket->get(), POLLIN, 0};
+std::string the_bus_at(const std::string& path) {
+    return "the bus at sim:" + path;
+}
+
+/// Blocks until the daemon at `path` says something. Nothing when it is none of its packets.
+Result<std::optional<sim::ServerPacket>, std::string> await_packet(const Descriptor& socket,
+                                                                   const std::string& path) {
+    pollfd readable{socket.get(), POLLIN, 0};
     int ready = 0;
     do {
         ready = ::poll(&readable, 1, answer_timeout_ms);
     } while (ready < 0 && errno == EINTR);
-    if (ready <= 0) return Failure{who + " does not answer"};
+    if (ready <= 0) return Failure{the_bus_at(path) + " does not answer"};
     ReceiveOutcome outcome{};
-    const auto answer = receive_server_packet(*socket, outcome);
-    if (outcome != ReceiveOutcome::packet) return Failure{who + " closed the connection"};
-    if (answer) {
+    auto packet = receive_server_packet(socket, outcome);
+    if (outcome != ReceiveOutcome::packet) {
+        return Failure{the_bus_at(path) + " closed the connection"};
+    }
+    return packet;
+}
+
+/// Blocks until the daemon has answered.
+Result<Admission, std::string> ask(const std::string& path, const sim::Hello& hello) {
+    auto socket = connect_to_bus(path);
+    if (!socket) return Failure{no_bus(path, socket.error())};
+    const std::string who = the_bus_at(path);
+    // A daemon that refuses may have closed already: its reason is there to read all the same.
+    send_packet(*socket, sim::encode(hello));
+    const auto answered = await_packet(*socket, path);
+    if (!answered) return Failure{answered.error()};
+    if (const auto& answer = *answered) {
         if (const auto* refusal = std::get_if<sim::Refusal>(&*answer)) {
             return Failure{who + " refused: " + refusal->reason};
         }
@@ -356,6 +370,29 @@ Result<std::unique_ptr<Link>, std::string> open_sim_link(const SimAddress& addre
     const auto admission = ask(address.path, hello);
     if (!admission) return Failure{admission.error()};
     return std::unique_ptr<Link>{std::make_unique<SimLink>(address)};
+}
+
+Result<BusReport, std::string> request_bus_report(const SimAddress& address) {
+    sim::Hello hello;
+    hello.wish = sim::Hello::Wish::status;
+    const auto admission = ask(address.path, hello);
+    if (!admission) return Failure{admission.error()};
+    const std::string nonsense = the_bus_at(address.path) + " answered with something else";
+    BusReport report;
+    report.bitrate = admission->welcome.bitrate;
+    const auto first = await_packet(admission->socket, address.path);
+    if (!first) return Failure{first.error()};
+    const auto* bus = *first ? std::get_if<sim::BusStatus>(&**first) : nullptr;
+    if (bus == nullptr) return Failure{nonsense};
+    report.bus = *bus;
+    while (report.nodes.size() < report.bus.nodes) {
+        const auto next = await_packet(admission->socket, address.path);
+        if (!next) return Failure{next.error()};
+        const auto* node = *next ? std::get_if<sim::NodeStatus>(&**next) : nullptr;
+        if (node == nullptr) return Failure{nonsense};
+        report.nodes.push_back(*node);
+    }
+    return report;
 }
 
 }  // namespace canorb::can

@@ -5,6 +5,7 @@
 
 #include "orb/base/result.hpp"
 #include "orb/can/link/address.hpp"
+#include "orb/can/link/bus_report.hpp"
 #include "orb/can/link/link.hpp"
 
 namespace canorb::can {
@@ -15,5 +16,8 @@ namespace canorb::can {
 /// A controller whose daemon goes is `stopped` and its transmissions have failed. recover() then
 /// connects again, at once or as soon as there is a daemon, with the same filters.
 Result<std::unique_ptr<Link>, std::string> open_sim_link(const SimAddress& address);
+
+/// How the bus of a canorb-bus daemon is.
+Result<BusReport, std::string> request_bus_report(const SimAddress& address);
 
 }  // namespace canorb::can

@@ -1,6 +1,7 @@
 #include "orb/can/link/sim_socket.hpp"
 
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/un.h>
 
 #include <algorithm>
@@ -42,6 +43,8 @@ Result<Descriptor, int> listen_at(const std::string& path) {
     Descriptor socket = new_socket();
     if (!socket.is_open()) return Failure{errno};
     const sockaddr_un address = socket_address(path);
+    // Before bind(), so that the file is never anybody else's to write to.
+    if (::fchmod(socket.get(), S_IRUSR | S_IWUSR) != 0) return Failure{errno};
     if (::bind(socket.get(), generic(address), sizeof address) != 0 ||
         ::listen(socket.get(), backlog) != 0) {
         return Failure{errno};

@@ -15,7 +15,7 @@ namespace canorb::can {
 /// sockaddr_un), or the errno.
 Result<Descriptor, int> connect_to_bus(const std::string& path);
 
-/// The same, bound and listening.
+/// The same, bound and listening. The file is its user's only (mode 0600).
 Result<Descriptor, int> listen_at(const std::string& path);
 
 enum class SendOutcome : std::uint8_t { sent, would_block, gone };
