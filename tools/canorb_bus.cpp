@@ -1,4 +1,5 @@
-// canorb-bus: a simulated CAN bus for the programs of this machine, behind a Unix socket.
+// canorb-bus: a simulated CAN bus for the programs of this machine, behind a Unix socket; or one in
+// virtual time, that plays a scenario.
 
 #include <CLI/CLI.hpp>
 #include <cerrno>
@@ -7,32 +8,61 @@
 #include <cstdio>
 #include <cstring>
 #include <ctime>
+#include <fstream>
+#include <iterator>
 #include <memory>
+#include <optional>
 #include <string>
+#include <system_error>
+#include <vector>
 
-#include "orb/can/candump.hpp"
 #include "orb/can/link/address.hpp"
 #include "orb/can/link/bus_server.hpp"
 #include "orb/can/link/link.hpp"
+#include "orb/can/link/sim_link.hpp"
+#include "orb/can/sim/fault_injector.hpp"
+#include "orb/can/sim/fault_script.hpp"
+#include "tools/bus_table.hpp"
+#include "tools/recordings.hpp"
+#include "tools/scenario.hpp"
 
 namespace {
 
 using namespace canorb;
 
+constexpr int failure = 1;
 constexpr int usage_error = 2;
 
 struct Arguments {
     std::string listen{can::default_bus_address()};
     std::string bitrate = "500000";
     bool unpaced = false;
-    std::string log_file;
+    bool recover_automatically = false;
+    std::string fault_file;
+    tools::RecordingFiles recordings;
+    bool status = false;
     bool quiet = false;
+    std::string scenario_file;
+    std::vector<std::string> nodes;
+    std::string length;
+    /// Some option is for a bus of its own: it is not only asked about the one that runs.
+    bool wants_bus = false;
 };
 
-struct FileCloser {
-    void operator()(std::FILE* file) const { std::fclose(file); }
-};
-using File = std::unique_ptr<std::FILE, FileCloser>;
+void say(const std::string& sentence) {
+    std::fprintf(stderr, "canorb-bus: %s\n", sentence.c_str());
+}
+
+int fail(const std::string& reason) {
+    say(reason);
+    return failure;
+}
+
+/// Everything that is on standard output so far is to be seen.
+void print(const std::string& text) {
+    std::fputs(text.c_str(), stdout);
+    std::fflush(stdout);
+}
 
 constexpr int stop_signals[] = {SIGINT, SIGTERM, SIGHUP};
 
@@ -50,7 +80,7 @@ void stop_on_signals(can::BusServer& server) {
     for (const int signal : stop_signals) ::sigaction(signal, &action, nullptr);
 }
 
-/// From the bus's clock to Unix time, which candump's logs have.
+/// From the bus's clock to Unix time, which recordings have.
 Duration unix_time_offset() {
     timespec time{};
     ::clock_gettime(CLOCK_REALTIME, &time);
@@ -58,60 +88,143 @@ Duration unix_time_offset() {
     return unix_time - can::monotonic_now().time_since_epoch();
 }
 
-int fail(const std::string& reason) {
-    std::fprintf(stderr, "canorb-bus: %s\n", reason.c_str());
-    return 1;
+Result<std::string, std::string> read_file(const std::string& path) {
+    errno = 0;
+    std::ifstream file{path, std::ios::binary};
+    std::string text{std::istreambuf_iterator<char>{file}, {}};
+    if (!file || file.bad() || errno != 0) {
+        return Failure{"cannot read " + path + ": " + std::generic_category().message(errno)};
+    }
+    return text;
 }
 
-int serve(const Arguments& arguments) {
+/// The script of --fault, an empty one without; or the exit code, when what is wrong was said.
+Result<can::sim::FaultScript, int> load_faults(const std::string& path) {
+    if (path.empty()) return can::sim::FaultScript{};
+    const auto text = read_file(path);
+    if (!text) return Failure{fail(text.error())};
+    auto script = can::sim::parse_fault_script(*text);
+    if (script) return std::move(*script);
+    for (const auto& error : script.error()) {
+        std::fprintf(stderr, "%s:%s\n", path.c_str(), can::sim::format(error).c_str());
+    }
+    return Failure{usage_error};
+}
+
+/// What of a script had no effect may be a mistake in it.
+void tell_unused(const std::string& path, const can::sim::FaultInjector& injector) {
+    for (const can::sim::Fault* fault : injector.unused()) {
+        say(path + ":" + std::to_string(fault->line) + ": this fault never acted");
+    }
+    for (const std::string& name : injector.absent_names()) {
+        say(path + ": no node was called \"" + name + "\"");
+    }
+}
+
+int serve(const Arguments& arguments, const can::SimAddress& address, std::uint32_t bitrate) {
+    auto script = load_faults(arguments.fault_file);
+    if (!script) return script.error();
+    std::unique_ptr<tools::Recordings> recordings;
+    can::BusServerOptions options;
+    options.path = address.path;
+    options.bitrate = bitrate;
+    options.paced = !arguments.unpaced;
+    options.controller.automatic_recovery = arguments.recover_automatically;
+    if (!arguments.quiet) {
+        options.log = [](std::string_view sentence) { say(std::string{sentence}); };
+    }
+    if (arguments.status || arguments.recordings.any()) {
+        options.report = [&](const can::BusReport& report) {
+            if (arguments.status) print(tools::bus_table(report) + '\n');
+            recordings->flush();
+        };
+    }
+    const auto opened = can::BusServer::open(std::move(options));
+    if (!opened) return fail(opened.error());
+    can::BusServer& server = **opened;
+    can::sim::Bus& bus = server.bus();
+    can::sim::FaultInjector injector{std::move(*script), bitrate, bus.now()};
+    if (!arguments.fault_file.empty()) bus.set_disturbance(&injector);
+    // Only now: a daemon that is refused must not empty the files of the one that runs.
+    auto started = tools::Recordings::start(bus, arguments.recordings, unix_time_offset(), say);
+    if (!started) return fail(started.error());
+    recordings = std::move(*started);
+    bus.set_trace([&](const can::sim::CompletedFrame& frame) { recordings->frame(frame); });
+    bus.set_error_trace([&](const can::sim::NodeError& error) { recordings->error(error); });
+
+    stop_on_signals(server);
+    // Whoever reads the status may go, and a file may be as large as it may be: no reason to die.
+    std::signal(SIGPIPE, SIG_IGN);
+    std::signal(SIGXFSZ, SIG_IGN);
+    if (!arguments.quiet) {
+        say("sim:" + address.path + ", " + std::to_string(bitrate) + " bit/s" +
+            (arguments.unpaced ? ", unpaced" : ""));
+    }
+    const std::string error = server.run();
+    for (const int signal : stop_signals) std::signal(signal, SIG_IGN);  // it is stopping already
+    recordings->flush();
+    const bool recorded = !recordings->failed();
+    recordings.reset();  // before the bus
+    bus.set_disturbance(nullptr);
+    tell_unused(arguments.fault_file, injector);
+    if (!error.empty()) return fail(error);
+    return recorded ? 0 : failure;
+}
+
+int play(const Arguments& arguments, std::uint32_t bitrate) {
+    tools::PlayOptions options;
+    options.listeners = arguments.nodes;
+    options.automatic_recovery = arguments.recover_automatically;
+    if (!arguments.length.empty()) {
+        options.length = tools::parse_duration(arguments.length);
+        if (!options.length) {
+            return fail("--for takes a time such as 20ms or 1.5s, not " + arguments.length);
+        }
+    }
+    const auto text = read_file(arguments.scenario_file);
+    if (!text) return fail(text.error());
+    const auto scenario = tools::parse_scenario(*text);
+    if (!scenario) {
+        for (const std::string& error : scenario.error()) {
+            std::fprintf(stderr, "%s:%s\n", arguments.scenario_file.c_str(), error.c_str());
+        }
+        return usage_error;
+    }
+    auto script = load_faults(arguments.fault_file);
+    if (!script) return script.error();
+
+    can::sim::Bus bus{bitrate};
+    can::sim::FaultInjector injector{std::move(*script), bitrate};
+    if (!arguments.fault_file.empty()) bus.set_disturbance(&injector);
+    std::signal(SIGXFSZ, SIG_IGN);
+    const auto recordings = tools::Recordings::start(bus, arguments.recordings, Duration{0}, say);
+    if (!recordings) return fail(recordings.error());
+    options.trace = [&](const auto& frame) { (*recordings)->frame(frame); };
+    options.error_trace = [&](const auto& error) { (*recordings)->error(error); };
+    const can::BusReport report = tools::play(*scenario, options, bus, [](const std::string& line) {
+        std::fputs((line + '\n').c_str(), stdout);
+    });
+    print('\n' + tools::bus_table(report));
+    (*recordings)->flush();
+    if (!arguments.fault_file.empty()) tell_unused(arguments.fault_file, injector);
+    return (*recordings)->failed() ? failure : 0;
+}
+
+int run(const Arguments& arguments) {
+    const auto bitrate = can::parse_bitrate(arguments.bitrate);
+    if (!bitrate) return fail("--bitrate: " + bitrate.error());
+    if (!arguments.scenario_file.empty()) return play(arguments, *bitrate);
     const auto address = can::parse_bus_address(arguments.listen);
     if (!address) return fail(address.error());
     const auto* sim = std::get_if<can::SimAddress>(&*address);
     if (sim == nullptr) return fail("--listen takes sim:PATH, not " + arguments.listen);
-    const auto bitrate = can::parse_bitrate(arguments.bitrate);
-    if (!bitrate) return fail("--bitrate: " + bitrate.error());
-
-    File log_file;
-    can::BusServerOptions options;
-    options.path = sim->path;
-    options.bitrate = *bitrate;
-    options.paced = !arguments.unpaced;
-    if (!arguments.quiet) {
-        options.log = [](std::string_view sentence) {
-            std::fprintf(stderr, "canorb-bus: %.*s\n", static_cast<int>(sentence.size()),
-                         sentence.data());
-        };
-    }
-    if (!arguments.log_file.empty()) {
-        options.trace = [&log_file,
-                         offset = unix_time_offset()](const can::sim::CompletedFrame& completed) {
-            const std::string line =
-                can::format_candump(completed.time + offset, "can0", completed.frame) + '\n';
-            std::fputs(line.c_str(), log_file.get());
-        };
-    }
-    const auto server = can::BusServer::open(std::move(options));
-    if (!server) return fail(server.error());
-    // Only now: a daemon that is refused must not empty the log of the one that runs.
-    if (!arguments.log_file.empty()) {
-        log_file.reset(std::fopen(arguments.log_file.c_str(), "w"));
-        if (!log_file) {
-            return fail("cannot write " + arguments.log_file + ": " + std::strerror(errno));
+    if (arguments.status && !arguments.wants_bus) {
+        if (const auto report = can::request_bus_report(*sim)) {
+            print(tools::bus_table(*report));
+            return 0;
         }
-        std::setvbuf(log_file.get(), nullptr, _IOLBF, BUFSIZ);  // a reader sees each frame at once
     }
-    stop_on_signals(**server);
-    if (!arguments.quiet) {
-        std::fprintf(stderr, "canorb-bus: sim:%s, %u bit/s%s\n", sim->path.c_str(), *bitrate,
-                     arguments.unpaced ? ", unpaced" : "");
-    }
-    const std::string error = (*server)->run();
-    for (const int signal : stop_signals) std::signal(signal, SIG_IGN);  // it is stopping already
-    if (!error.empty()) return fail(error);
-    if (log_file && std::ferror(log_file.get()) != 0) {
-        return fail("could not write all of " + arguments.log_file);
-    }
-    return 0;
+    return serve(arguments, *sim, *bitrate);
 }
 
 }  // namespace
@@ -123,19 +236,49 @@ int main(int argc, char** argv) {
         "Runs until Ctrl-C.",
         "canorb-bus"};
     app.set_version_flag("--version", std::string{"canorb-bus "} + CANORB_VERSION);
-    app.add_option("--listen", arguments.listen, "address of the bus, sim:PATH of a Unix socket")
-        ->capture_default_str();
-    app.add_option("--bitrate", arguments.bitrate, "bit/s, 10000 to 1000000")
-        ->capture_default_str();
-    app.add_flag("--unpaced", arguments.unpaced,
-                 "do not keep to the clock: bus time moves by frames only, as fast as they come");
-    app.add_option("--log", arguments.log_file,
+    auto* const listen = app.add_option("--listen", arguments.listen,
+                                        "address of the bus, sim:PATH of a Unix socket")
+                             ->capture_default_str();
+    app.add_option("--bitrate", arguments.bitrate, "bit/s, 5000 to 1000000")->capture_default_str();
+    auto* const unpaced = app.add_flag(
+        "--unpaced", arguments.unpaced,
+        "do not keep to the clock: bus time moves by frames only, as fast as they come");
+    app.add_flag("--recover-automatically", arguments.recover_automatically,
+                 "controllers leave bus-off by themselves, after 128 times 11 recessive bits");
+    app.add_option("--fault", arguments.fault_file, "script of what goes wrong on the bus");
+    app.add_option("--log", arguments.recordings.log,
                    "write every frame to this file, as candump -l does; what it held is lost");
+    app.add_option("--vcd", arguments.recordings.vcd,
+                   "the same with every bit, for PulseView, GTKWave and sigrok-cli");
+    app.add_option("--pcapng", arguments.recordings.pcapng,
+                   "the same with frames and errors, for Wireshark and tshark");
+    auto* const status =
+        app.add_flag("--status", arguments.status,
+                     "print bus load and nodes each second; with no option but --listen beside it, "
+                     "of the bus that runs there, once");
     app.add_flag("--quiet", arguments.quiet, "say nothing about clients");
+    auto* const scenario = app.add_option(
+        "--play", arguments.scenario_file,
+        "play this candump log, with a sender's name in place of the interface, on a bus of its "
+        "own in virtual time; prints what happens, and ends");
+    scenario->excludes(listen)->excludes(unpaced)->excludes(status);
+    app.add_option("--nodes", arguments.nodes, "with --play: names of nodes that only receive")
+        ->delimiter(',')
+        ->needs(scenario);
+    app.add_option("--for", arguments.length,
+                   "with --play: bus time after which it ends, such as 20ms; without, when the bus "
+                   "is quiet, or 1 s after the last line")
+        ->needs(scenario);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : usage_error;
     }
-    return serve(arguments);
+    for (const CLI::Option* option : app.get_options()) {
+        const std::string name = option->get_name();
+        if (option->count() > 0 && name != "--listen" && name != "--status" && name != "--quiet") {
+            arguments.wants_bus = true;
+        }
+    }
+    return run(arguments);
 }

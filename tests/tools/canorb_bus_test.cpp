@@ -257,7 +257,7 @@ TEST_F(CanorbBus, SaysWhatIsWrong) {
              BadCommand{{"--listen", "local:x"}, "--listen takes sim:PATH"},
              BadCommand{{"--listen", "/tmp/x"}, "is not a bus address"},
              BadCommand{{"--listen", "sim:"}, "needs the path"},
-             BadCommand{{"--listen", address(), "--bitrate", "9999"}, "is not a bit rate"},
+             BadCommand{{"--listen", address(), "--bitrate", "4999"}, "is not a bit rate"},
              BadCommand{{"--listen", address(), "--bitrate", "fast"}, "is not a bit rate"},
              BadCommand{{"--listen", address(), "--log", "/missing/directory/x"}, "cannot write"},
              BadCommand{{"--lisen", address()}, "--lisen"},

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "orb/base/result.hpp"
+#include "orb/can/record/pcapng_writer.hpp"
+#include "orb/can/record/record_file.hpp"
+#include "orb/can/record/vcd_writer.hpp"
+#include "orb/can/sim/bus.hpp"
+
+namespace canorb::tools {
+
+/// Paths; an empty one is not recorded to.
+struct RecordingFiles {
+    std::string log;  ///< frames as `candump -l` writes them
+    std::string vcd;
+    std::string pcapng;
+
+    bool any() const { return !log.empty() || !vcd.empty() || !pcapng.empty(); }
+};
+
+/// The files that a simulated bus is recorded to. When one cannot be written any further, that is
+/// told at once, and the others go on.
+class Recordings {
+  public:
+    /// Is given a sentence for people.
+    using Complain = std::function<void(const std::string&)>;
+
+    /// Makes the files, or empties them. `unix_time_offset` is from the bus's clock to Unix time.
+    /// The bus outlives this object. The error is a sentence for people.
+    static Result<std::unique_ptr<Recordings>, std::string> start(can::sim::Bus& bus,
+                                                                  const RecordingFiles& files,
+                                                                  Duration unix_time_offset,
+                                                                  Complain complain);
+    ~Recordings();
+    Recordings(const Recordings&) = delete;
+    Recordings& operator=(const Recordings&) = delete;
+
+    // From the bus's traces. The bits it takes itself.
+    void frame(const can::sim::CompletedFrame& completed);
+    void error(const can::sim::NodeError& error);
+
+    /// Writes what there is so far. A frame is in the log at once.
+    void flush();
+
+    /// Whether something could not be written.
+    bool failed() const { return failed_; }
+
+  private:
+    Recordings(can::sim::Bus& bus, Duration unix_time_offset, Complain complain)
+        : bus_(bus), unix_time_offset_(unix_time_offset), complain_(std::move(complain)) {}
+    void check(const std::string& error, bool& told);
+
+    can::sim::Bus& bus_;
+    Duration unix_time_offset_;
+    Complain complain_;
+    std::optional<can::RecordFile> log_;
+    std::unique_ptr<can::VcdWriter> vcd_;
+    std::unique_ptr<can::PcapngWriter> pcapng_;
+    bool log_failure_told_ = false;
+    bool vcd_failure_told_ = false;
+    bool pcapng_failure_told_ = false;
+    bool failed_ = false;
+};
+
+}  // namespace canorb::tools
