@@ -9,7 +9,6 @@
 #include <array>
 #include <chrono>
 #include <cstdio>
-#include <cstdlib>
 #include <deque>
 #include <optional>
 #include <ostream>
@@ -22,6 +21,7 @@
 
 #include "orb/can/sim/fault_injector.hpp"
 #include "tests/can/bus_fixture.hpp"
+#include "tests/support/soak.hpp"
 
 namespace canorb::can::sim {
 namespace {
@@ -435,10 +435,7 @@ class BitErrors : public testing::TestWithParam<Noise> {};
 TEST_P(BitErrors, DeliverNothingWrongThatACheckCouldTell) {
     constexpr std::uint64_t bits_at_factor_1 = 10'000'000 / 6;
     constexpr std::uint64_t bits_between_reports = 20'000'000;
-    const char* factor = std::getenv("CANORB_SOAK_FACTOR");
-    const std::uint64_t bits =
-        bits_at_factor_1 * (factor == nullptr ? 1 : std::strtoull(factor, nullptr, 10));
-    ASSERT_GT(bits, 0U) << "CANORB_SOAK_FACTOR is no number";
+    const std::uint64_t bits = bits_at_factor_1 * canorb::test::soak_factor();
 
     const std::string label = std::string{GetParam().rate} + " " + GetParam().where;
     NoisyBus bus{"bit-error-rate " + label};

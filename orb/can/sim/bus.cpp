@@ -519,9 +519,17 @@ void Bus::advance(TimePoint to) {
     time_ = to;
 }
 
+bool Bus::is_quiet() const {
+    if (jump_) return false;
+    if (!idle_) return fruitless_;
+    if (next_recovery() != never) return false;
+    const TimePoint start = next_start();
+    return start == never || (disturbance_ == nullptr && plan(start, true).fruitless);
+}
+
 bool Bus::advance_one() {
+    if (is_quiet()) return false;
     const TimePoint event = next_event();
-    if (event == never) return false;
     // Nothing ends before `event`, and whatever else ends at that moment is complete as well.
     advance(event);
     return true;

@@ -107,7 +107,10 @@ class Bus {
     /// does nothing.
     void advance(TimePoint to);
 
-    /// Jumps to next_event() and completes it. False, and no jump, when the bus is quiet. This is
+    /// Nothing is on the bus, and nobody has anything to send that somebody would acknowledge.
+    bool is_quiet() const;
+
+    /// Jumps to next_event() and completes it. False, and no jump, when the bus is_quiet(). This is
     /// the unpaced bus: time moves by frames only.
     bool advance_one();
 
