@@ -91,18 +91,17 @@ class Wire {
         }
         for (std::size_t i = 0; i < length; ++i) {
             begin_bit();
-            for (auto& [name, node] : nodes_) {
+            for (const auto& [name, node] : nodes_) {
                 const auto row = rows.find(std::string(1, name));
                 if (row == rows.end()) continue;
                 const char c = row->second[i];
-                const auto place = [&, name = name] {
-                    return std::string(1, name) + ", bit " + std::to_string(i) + " of " +
-                           row->second + ": " +
-                           std::string(can::name(nodes_.at(name).processor.position().field));
-                };
-                ASSERT_EQ(int{node.processor.driven()}, c == '0' || c == 'O' ? 0 : 1) << place();
+                const FramePosition position = node.processor.position();
+                const std::string place = row->first + ", bit " + std::to_string(i) + " of " +
+                                          row->second + ": " +
+                                          std::string(can::name(position.field));
+                ASSERT_EQ(int{node.processor.driven()}, c == '0' || c == 'O' ? 0 : 1) << place;
                 if (c == '-') continue;
-                ASSERT_EQ(node.processor.position().stuff, c == 'O' || c == 'I') << place();
+                ASSERT_EQ(position.stuff, c == 'O' || c == 'I') << place;
             }
             const std::uint8_t level = this->level();
             if (const auto bus = rows.find("bus"); bus != rows.end()) {
