@@ -54,6 +54,9 @@ TEST_P(LoneNode, BecomesErrorPassiveAfterSixteenAttemptsAndThenTheBusIsQuiet) {
         EXPECT_TRUE(error.primary);
     }
     EXPECT_FALSE(bus_.advance_one());
+    EXPECT_TRUE(bus_.is_quiet());
+    EXPECT_NE(bus_.next_event(), never) << "somebody wants to know of each attempt";
+    bus_.set_error_trace(nullptr);
     EXPECT_EQ(bus_.next_event(), never);
     EXPECT_EQ(states_of(node), std::vector{ControllerState::error_passive});
     EXPECT_TRUE(node.results.empty());
@@ -62,6 +65,7 @@ TEST_P(LoneNode, BecomesErrorPassiveAfterSixteenAttemptsAndThenTheBusIsQuiet) {
 TEST_P(LoneNode, RepeatsItsFrameForEverThoughTheBusIsQuiet) {
     TestNode node{bus_};
     node.must_send(standard(0x555));
+    bus_.set_error_trace(nullptr);
     // Bit 28 of the attempt that begins at 872 + 8050 * 62 = 499 972.
     bus_.advance(at(bits(500'000)));
     EXPECT_EQ(bus_.next_event(), never);

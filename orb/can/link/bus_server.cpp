@@ -203,12 +203,13 @@ class BusServer::Server {
     bool stop_requested() const { return (descriptors_[stop_at].revents & POLLIN) != 0; }
 
     std::optional<Duration> time_to_next_step() {
-        const TimePoint next = options_.paced ? pacer_.wake_at(bus_) : bus_.next_event();
-        if (next == never) return std::nullopt;
         if (!options_.paced) {
+            if (bus_.is_quiet()) return std::nullopt;
             if (!stall_ends_) return Duration::zero();
             return std::max(*stall_ends_ - monotonic_now(), Duration::zero());
         }
+        const TimePoint next = pacer_.wake_at(bus_);
+        if (next == never) return std::nullopt;
         return std::max(next - monotonic_now(), Duration::zero());
     }
 

@@ -390,8 +390,8 @@ void Bus::begin_frame(TimePoint start, TimePoint to) {
         begin_jump(next);
         return;
     }
-    const bool watched = observer_ != nullptr || error_trace_;
-    if (next.fruitless && disturbance_ == nullptr && !watched && fidelity_ == Fidelity::frames) {
+    if (next.fruitless && disturbance_ == nullptr && !is_watched() &&
+        fidelity_ == Fidelity::frames) {
         skip_fruitless(next, to);
     }
     enter_bits();
@@ -483,7 +483,7 @@ void Bus::end_jump() {
 TimePoint Bus::next_event() const {
     if (jump_) return jump_->completed.time;
     if (!idle_) {
-        if (fruitless_) return never;
+        if (fruitless_ && !is_watched()) return never;
         return time_of(std::max(quiet_until_, bit_ + 1));
     }
     TimePoint event = next_recovery();
@@ -497,7 +497,7 @@ TimePoint Bus::next_event() const {
     const TimePoint start = next_start();
     if (start == never || start >= event) return event;
     const Plan next = plan(start, true);
-    if (next.fruitless && disturbance_ == nullptr) return event;
+    if (next.fruitless && disturbance_ == nullptr && !is_watched()) return event;
     if (disturbance_ != nullptr || next.quiet_bits <= 1) {
         return std::min(event, end_of_first_bit(start));
     }

@@ -100,7 +100,7 @@ class Bus {
     /// No event comes before this moment if nobody does anything until then; `never` when the bus
     /// is quiet. Mostly there is one at it. Of frames that are disturbed it may be the next bit,
     /// with nothing to tell. A frame that is repeated without end because nobody is there to
-    /// acknowledge it is quiet.
+    /// acknowledge it is quiet, unless bits or errors are watched.
     TimePoint next_event() const;
 
     /// Completes, in order, everything that ends at or before `to`; now() is `to` then. Going back
@@ -179,6 +179,9 @@ class Bus {
     // A frame in one step.
     void begin_jump(const Plan& plan);
     void end_jump();
+
+    /// Somebody wants to see each attempt, even one that changes nothing.
+    bool is_watched() const { return observer_ != nullptr || error_trace_; }
 
     // Bits (bus_bits.cpp).
     void enter_bits();
