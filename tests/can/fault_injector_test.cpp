@@ -9,6 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "orb/can/sim/bus.hpp"
+
 namespace canorb::can::sim {
 namespace {
 
@@ -543,6 +545,15 @@ TEST(FaultInjector, LotsTakeOutOnlyTheFramesTheyHit) {
     }
     // 1 - 0.999^100 = 0.0952
     EXPECT_NEAR(static_cast<double>(hit), 952, 150);
+}
+
+TEST(FaultInjector, DisturbsABusWithoutNodes) {
+    FaultInjector injector{*parse_fault_script("at 10us stuck-dominant wire"), 1'000'000};
+    Bus bus{1'000'000};
+    bus.set_disturbance(&injector);
+    bus.advance(at(1ms));
+    EXPECT_EQ(bus.statistics().frames, 0U);
+    EXPECT_EQ(bus.statistics().error_frames, 0U);
 }
 
 // Two lots that hit different places of one bit at once.

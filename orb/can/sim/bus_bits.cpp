@@ -126,7 +126,8 @@ void Bus::end_watched_bit(bool disturbed) {
         }
         disturbance_->disturb_driven(moment, wire_);
     }
-    const std::uint8_t level = *std::min_element(wire_.begin(), wire_.end());
+    std::uint8_t level = 1;  // also of a bus without nodes
+    for (const std::uint8_t driven : wire_) level &= driven;
     seen_.assign(nodes_.size(), level);
     if (disturbed) disturbance_->disturb_seen(moment, wire_, seen_);
     if (observer_ == nullptr) return;
