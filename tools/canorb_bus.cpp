@@ -149,8 +149,14 @@ int serve(const Arguments& arguments, const can::SimAddress& address, std::uint3
     auto started = tools::Recordings::start(bus, arguments.recordings, unix_time_offset(), say);
     if (!started) return fail(started.error());
     recordings = std::move(*started);
-    bus.set_trace([&](const can::sim::CompletedFrame& frame) { recordings->frame(frame); });
-    bus.set_error_trace([&](const can::sim::NodeError& error) { recordings->error(error); });
+    if (arguments.recordings.any()) {
+        bus.set_trace([&](const can::sim::CompletedFrame& frame) { recordings->frame(frame); });
+    }
+    // While somebody wants to know of errors, each repetition of a frame that nobody acknowledges
+    // costs time.
+    if (!arguments.recordings.pcapng.empty()) {
+        bus.set_error_trace([&](const can::sim::NodeError& error) { recordings->error(error); });
+    }
 
     stop_on_signals(server);
     // Whoever reads the status may go, and a file may be as large as it may be: no reason to die.
