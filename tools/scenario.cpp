@@ -68,7 +68,7 @@ std::optional<Duration> parse_duration(std::string_view text) {
     const std::string_view unit{stop, static_cast<std::size_t>(end - stop)};
     for (const Unit& known : units) {
         const double nanoseconds = amount * known.nanoseconds;
-        if (unit != known.name || nanoseconds < 0 || nanoseconds > longest) continue;
+        if (unit != known.name || !(nanoseconds >= 0 && nanoseconds <= longest)) continue;
         return Duration{static_cast<Duration::rep>(nanoseconds + 0.5)};
     }
     return std::nullopt;
