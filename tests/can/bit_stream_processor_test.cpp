@@ -390,6 +390,17 @@ TEST(ListenOnly, CountsNoSuccessEither) {
     EXPECT_EQ(wire.status('B').rec, 3);
 }
 
+TEST(ListenOnly, CountsNoDominantBitsAfterAFlag) {
+    BitStreamProcessor processor = new_processor();
+    processor.set_listen_only(true, false);
+    feed(processor, "000000");
+    for (int bit = 0; bit < 100; ++bit) {
+        EXPECT_EQ(processor.driven(), 1);
+        feed(processor, "0");
+    }
+    EXPECT_EQ(processor.status(), ErrorStatus{});
+}
+
 TEST(ListenOnly, SendsNoOverloadFlag) {
     BitStreamProcessor processor = new_processor();
     processor.set_listen_only(true, false);

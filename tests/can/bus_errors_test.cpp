@@ -1,5 +1,5 @@
 // Fault confinement of the simulated bus as its nodes' users see it: lone nodes, collisions,
-// bus-off. The rules one by one are in error_rules_test.cpp and fault_states_test.cpp.
+// bus-off. The rules one by one are in rules_1_to_3_test.cpp and its siblings.
 
 #include <gtest/gtest.h>
 

@@ -332,6 +332,18 @@ TEST_F(Rule12, TheNodeStartsAfresh) {
     EXPECT_EQ(node_.driven(), 0);
 }
 
+TEST_F(Rule12, BothCountsAre0Afterwards) {
+    node_ = new_processor();
+    fail_as_receiver(node_, 200);
+    fail_as_transmitter(node_, 31);
+    begin_to_send();
+    see("1");
+    EXPECT_EQ(node_.status(), (ErrorStatus{State::bus_off, 256, 200}));
+    node_.recover(false);
+    bits_to_change(node_, 2000);
+    expect_error_active();
+}
+
 TEST_F(Rule12, ARequestElsewhereIsIgnored) {
     node_ = new_processor();
     make_passive(node_);
