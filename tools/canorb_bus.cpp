@@ -2,14 +2,12 @@
 // virtual time, that plays a scenario.
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <cstring>
 #include <ctime>
-#include <fstream>
-#include <iterator>
 #include <memory>
 #include <optional>
 #include <string>
@@ -89,13 +87,20 @@ Duration unix_time_offset() {
 }
 
 Result<std::string, std::string> read_file(const std::string& path) {
-    errno = 0;
-    std::ifstream file{path, std::ios::binary};
-    std::string text{std::istreambuf_iterator<char>{file}, {}};
-    if (!file || file.bad() || errno != 0) {
-        return Failure{"cannot read " + path + ": " + std::generic_category().message(errno)};
+    std::string text;
+    std::FILE* const file = std::fopen(path.c_str(), "rb");
+    bool whole = file != nullptr;
+    if (whole) {
+        std::array<char, 4096> buffer;
+        while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), file)) {
+            text.append(buffer.data(), got);
+        }
+        whole = std::ferror(file) == 0;
     }
-    return text;
+    const int error = errno;
+    if (file != nullptr) std::fclose(file);
+    if (whole) return text;
+    return Failure{"cannot read " + path + ": " + std::generic_category().message(error)};
 }
 
 /// The script of --fault, an empty one without; or the exit code, when what is wrong was said.

@@ -117,11 +117,12 @@ class CanorbBus : public testing::Test {
         return Process::program(std::move(arguments));
     }
 
-    std::unique_ptr<Controller> attach() const {
+    std::unique_ptr<Controller> attach() const { return attach_as("test"); }
+    std::unique_ptr<Controller> attach_as(std::string_view name) const {
         auto link = open_link(address());
         EXPECT_TRUE(link) << link.error();
         if (!link) return nullptr;
-        auto controller = (*link)->attach("test");
+        auto controller = (*link)->attach(name);
         EXPECT_TRUE(controller) << controller.error();
         if (!controller) return nullptr;
         EXPECT_TRUE((*controller)->set_filters(accept_all));
@@ -136,6 +137,16 @@ class CanorbBus : public testing::Test {
             }
         }
         return std::nullopt;
+    }
+
+    std::string file(const std::string& name, const std::string& text) const {
+        const std::string file_path = directory_.path() + '/' + name;
+        std::ofstream{file_path} << text;
+        return file_path;
+    }
+    static std::string content(const std::string& file_path) {
+        std::ifstream stream{file_path, std::ios::binary};
+        return {std::istreambuf_iterator<char>{stream}, {}};
     }
 
     void expect_working_bus(std::uint32_t id = 0x123) const {
@@ -157,7 +168,9 @@ class CanorbBus : public testing::Test {
 TEST_F(CanorbBus, HasHelpAndVersion) {
     Process help = run({"--help"});
     EXPECT_EQ(help.wait(), 0);
-    for (const char* option : {"--listen", "--bitrate", "--unpaced", "--log", "--quiet"}) {
+    for (const char* option :
+         {"--listen", "--bitrate", "--unpaced", "--recover-automatically", "--fault", "--log",
+          "--vcd", "--pcapng", "--status", "--quiet", "--play", "--nodes", "--for"}) {
         EXPECT_THAT(help.text(), HasSubstr(option));
     }
     Process version = run({"--version"});
@@ -260,7 +273,17 @@ TEST_F(CanorbBus, SaysWhatIsWrong) {
              BadCommand{{"--listen", address(), "--bitrate", "4999"}, "is not a bit rate"},
              BadCommand{{"--listen", address(), "--bitrate", "fast"}, "is not a bit rate"},
              BadCommand{{"--listen", address(), "--log", "/missing/directory/x"}, "cannot write"},
+             BadCommand{{"--listen", address(), "--vcd", "/missing/directory/x"}, "cannot write"},
+             BadCommand{{"--listen", address(), "--pcapng", "/missing/directory/x"},
+                        "cannot write"},
+             BadCommand{{"--listen", address(), "--fault", "/missing/x"},
+                        "cannot read /missing/x: No"},
+             BadCommand{{"--listen", address(), "--fault", "/tmp"}, "cannot read /tmp: Is a dir"},
              BadCommand{{"--lisen", address()}, "--lisen"},
+             BadCommand{{"--play", "/missing/x"}, "cannot read /missing/x"},
+             BadCommand{{"--play", "/dev/null", "--for", "20"}, "--for takes a time such as 20ms"},
+             BadCommand{{"--play", "/dev/null", "--listen", address()}, "--listen"},
+             BadCommand{{"--nodes", "a"}, "--play"},
          }) {
         Process bus = run(bad.arguments);
         EXPECT_GT(bus.wait(), 0) << bad.says;
@@ -293,6 +316,162 @@ TEST_F(CanorbBus, OutlivesAClientThatIsKilledWhileItFloods) {
     bus.send_signal(SIGTERM);
     EXPECT_EQ(bus.wait(), 0);
     EXPECT_THAT(bus.text(), HasSubstr("disconnected"));
+}
+
+TEST_F(CanorbBus, PrintsTheStatusOfTheBusThatRuns) {
+    Process bus = run({"--listen", address(), "--bitrate", "5000"});
+    ASSERT_TRUE(bus.says("bit/s\n"));
+    const auto controller = attach();
+    Process status = run({"--listen", address(), "--status"});
+    EXPECT_EQ(status.wait(), 0);
+    EXPECT_THAT(status.text(), StartsWith("5000 bit/s, "));
+    EXPECT_THAT(status.text(), HasSubstr(", load 0.00 %, 0 frames, 0 error frames\n"));
+    EXPECT_THAT(status.text(), HasSubstr("\ntest  error active    0    0     0         0 "));
+    // What else is asked for needs a bus of its own.
+    Process second = run({"--listen", address(), "--status", "--unpaced"});
+    EXPECT_EQ(second.wait(), 1);
+    EXPECT_THAT(second.text(), HasSubstr("already running"));
+}
+
+TEST_F(CanorbBus, PrintsItsOwnStatusEachSecondAndAtTheEnd) {
+    Process bus = run({"--listen", address(), "--status"});
+    ASSERT_TRUE(bus.says("bit/s\n"));
+    const auto controller = attach();
+    EXPECT_TRUE(bus.says("500000 bit/s, 1.0")) << bus.text();
+    EXPECT_TRUE(bus.says("\ntest  error active"));
+    bus.send_signal(SIGTERM);
+    EXPECT_EQ(bus.wait(), 0);
+    EXPECT_THAT(bus.text(), testing::ContainsRegex("500000 bit/s, .*500000 bit/s, "));
+}
+
+TEST_F(CanorbBus, RecordsWhatHappens) {
+    const std::string log = directory_.path() + "/frames.log";
+    const std::string vcd = directory_.path() + "/bits.vcd";
+    const std::string pcapng = directory_.path() + "/frames.pcapng";
+    Process bus = run({"--listen", address(), "--log", log, "--vcd", vcd, "--pcapng", pcapng});
+    ASSERT_TRUE(bus.says("bit/s\n"));
+    expect_working_bus();
+    // One that is refused leaves the files alone.
+    Process second = run({"--listen", address(), "--log", log, "--vcd", vcd, "--pcapng", pcapng});
+    EXPECT_EQ(second.wait(), 1);
+    bus.send_signal(SIGTERM);
+    EXPECT_EQ(bus.wait(), 0);
+    EXPECT_THAT(content(log), testing::EndsWith(") can0 123#CAFE\n"));
+    EXPECT_THAT(content(vcd), HasSubstr("test_tx"));
+    EXPECT_THAT(content(vcd), HasSubstr("\n#"));
+    EXPECT_THAT(content(pcapng), StartsWith("\x0A\x0D\x0D\x0A"));
+    EXPECT_THAT(content(pcapng), HasSubstr("test, "));
+}
+
+TEST_F(CanorbBus, SaysAtOnceThatItsLogCannotBeWritten) {
+    Process bus = run({"--listen", address(), "--log", "/dev/full"});
+    ASSERT_TRUE(bus.says("bit/s\n"));
+    expect_working_bus();
+    EXPECT_TRUE(bus.says("cannot write all of /dev/full: No space left on device\n"));
+    expect_working_bus();  // which goes on
+    bus.send_signal(SIGTERM);
+    EXPECT_EQ(bus.wait(), 1);
+    // Only once.
+    EXPECT_EQ(bus.text().find("No space"), bus.text().rfind("No space"));
+}
+
+TEST_F(CanorbBus, OutlivesARecordingThatIsAsLargeAsItMayBe) {
+    struct Limit {
+        std::string option;
+        std::string kibibytes;  // there is room for a header
+    };
+    for (const Limit& limit : {Limit{"--vcd", "24"}, Limit{"--pcapng", "1"}}) {
+        const std::string recording = directory_.path() + "/recording";
+        Process bus =
+            Process::program({"/bin/bash", "-c",
+                              "ulimit -f " + limit.kibibytes + "; exec " CANORB_BUS " --listen " +
+                                  address() + ' ' + limit.option + ' ' + recording});
+        ASSERT_TRUE(bus.says("bit/s\n")) << bus.text();
+        for (int i = 0; i < 30; ++i) expect_working_bus();
+        EXPECT_TRUE(bus.says("cannot write all of " + recording + ": File too large\n"))
+            << bus.text();
+        bus.send_signal(SIGTERM);
+        EXPECT_EQ(bus.wait(), 1);
+    }
+}
+
+TEST_F(CanorbBus, DoesWhatAFaultScriptSays) {
+    const std::string script = file("faults",
+                                    "frame 123 attempt 1 at data.1 flip wire\n"
+                                    "frame 456 at crc.1 flip pump-3\n");
+    Process bus = run({"--listen", address(), "--fault", script, "--status"});
+    ASSERT_TRUE(bus.says("bit/s\n"));
+    expect_working_bus();
+    bus.send_signal(SIGTERM);
+    EXPECT_EQ(bus.wait(), 0);
+    EXPECT_THAT(bus.text(), HasSubstr("1 frame, 1 error frame\n"));
+    EXPECT_THAT(bus.text(), HasSubstr("canorb-bus: " + script + ":2: this fault never acted\n"));
+    EXPECT_THAT(bus.text(),
+                HasSubstr("canorb-bus: " + script + ": no node was called \"pump-3\"\n"));
+}
+
+TEST_F(CanorbBus, SaysWhereAFaultScriptIsWrong) {
+    const std::string script = file("faults", "at 1s flip wire\nat x flip wire\nframe 123\n");
+    for (const std::string& other : {"--listen=" + address(), std::string{"--play=/dev/null"}}) {
+        Process bus = run({other, "--fault", script});
+        EXPECT_EQ(bus.wait(), 2);
+        EXPECT_THAT(bus.text(), StartsWith(script + ":2:4: "));
+        EXPECT_THAT(bus.text(), HasSubstr("\n" + script + ":3:"));
+    }
+    EXPECT_FALSE(std::filesystem::exists(path()));
+}
+
+TEST_F(CanorbBus, PlaysAScenario) {
+    const std::string scenario = file("scenario", "(0.000000) pump-3 123#DEADBEEF00000000\n");
+    const std::string script = file("faults", "frame 123 at sof recessive nobody\n");
+    const std::string log = directory_.path() + "/frames.log";
+    Process play = run({"--play", scenario, "--nodes", "valve,panel", "--bitrate", "1000000",
+                        "--log", log, "--fault", script});
+    EXPECT_EQ(play.wait(), 0);
+    EXPECT_THAT(play.text(),
+                HasSubstr("  0.000115  pump-3  123#DEADBEEF00000000  received by valve, panel\n"
+                          "\n"
+                          "1000000 bit/s, 0.000118 s, load 100.00 %, 1 frame, 0 error frames\n"
+                          "node    state "));
+    EXPECT_THAT(play.text(), HasSubstr(script + ":1: this fault never acted\n"));
+    EXPECT_EQ(content(log), "(0000000000.000115) can0 123#DEADBEEF00000000\n");
+}
+
+TEST_F(CanorbBus, SaysWhereAScenarioIsWrong) {
+    const std::string scenario = file("scenario", "(0.000000) a 123#00\nx\n(0.000000) a 1#00\n");
+    Process play = run({"--play", scenario});
+    EXPECT_EQ(play.wait(), 2);
+    EXPECT_THAT(play.text(), StartsWith(scenario + ":2: bad time stamp"));
+    EXPECT_THAT(play.text(), HasSubstr("\n" + scenario + ":3: bad identifier"));
+}
+
+TEST_F(CanorbBus, CannotWriteARecordingOfAScenario) {
+    const std::string scenario = file("scenario", "(0.000000) a 123#00\n(0.000000) b 124#00\n");
+    Process play = run({"--play", scenario, "--log", "/dev/full"});
+    EXPECT_EQ(play.wait(), 1);
+    EXPECT_THAT(play.text(), HasSubstr("cannot write all of /dev/full"));
+    EXPECT_THAT(play.text(), HasSubstr(", 2 frames"));
+}
+
+TEST_F(CanorbBus, HasControllersThatRecoverByThemselves) {
+    const std::string script = file("faults", "frame from test at data.1 flip test\n");
+    Process bus = run({"--listen", address(), "--fault", script, "--recover-automatically"});
+    ASSERT_TRUE(bus.says("bit/s\n"));
+    const auto sender = attach();
+    const auto listener = attach_as("listener");
+    const std::array<std::uint8_t, 1> data{0xFF};
+    ASSERT_TRUE(std::holds_alternative<TransmitHandle>(sender->send(Frame::standard(1, data))));
+    std::vector<ControllerState> states;
+    pollfd descriptor{sender->event_fd(), POLLIN, 0};
+    while (states.size() < 3 && ::poll(&descriptor, 1, patience_ms) == 1) {
+        while (const auto event = sender->poll()) {
+            const auto* change = std::get_if<StateChanged>(&*event);
+            if (change != nullptr) states.push_back(change->status.state);
+        }
+    }
+    EXPECT_THAT(states,
+                testing::ElementsAre(ControllerState::error_passive, ControllerState::bus_off,
+                                     ControllerState::error_active));
 }
 
 }  // namespace
