@@ -373,9 +373,13 @@ TEST(ListenOnly, SeesErrorsWithoutAFlagOrACount) {
         {"C", "  - ----------- --- --- -- --------------- - 0 - ------- ---"},
         {"B sees", ". ........... ... ..0 .. ............... . . . ....... ..."},
     });
+    // Its flags, 18 to 23 and 28 to 33, are seen by itself only, so the frame goes on in their
+    // delimiters: bit 27 is a dominant bit of the CRC, bit 36 the ACK slot.
     EXPECT_EQ(wire['B'].errors,
               (std::vector<Wire::Error>{
-                  {17, {ErrorKind::stuff, stuff_after(FrameField::data_length_code, 1), false}}}));
+                  {17, {ErrorKind::stuff, stuff_after(FrameField::data_length_code, 1), false}},
+                  {27, {ErrorKind::form, {FrameField::error_delimiter, 3, false}, false}},
+                  {36, {ErrorKind::form, {FrameField::error_delimiter, 1, false}, false}}}));
     EXPECT_EQ(wire.status('B').rec, 3);
     EXPECT_EQ(wire['A'].sent, Bits{44});
 }

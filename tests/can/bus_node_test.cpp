@@ -243,10 +243,9 @@ TEST_P(Nodes, ListenOnlyEndsWhenAFrameIsOver) {
     EXPECT_TRUE(b_.set_listen_only(false));
     run_until_quiet(bus_);
     // Nobody acknowledges the first attempt. B sees the sender's flag, bits 37 to 42, as a form
-    // error in bit 37 and five dominant bits, and waits as an error passive receiver does: six
-    // recessive bits, 43 to 48, and the delimiter, 49 to 56, where the second attempt begins at 54.
-    // The flag of that one, bits 91 to 96, is its six equal bits. The third attempt is at 108.
-    expect_result(a_, TransmitOutcome::sent, at(bits(2 * 54 + length_555)));
+    // error in bit 37. Its own flag, 38 to 43, is seen by itself only; delimiter 44 to 51,
+    // intermission 52 to 54. The second attempt begins at 54: a SOF in the third of these bits.
+    expect_result(a_, TransmitOutcome::sent, at(bits(54 + length_555)));
     EXPECT_EQ(b_.received_ids(), Ids{0x555});
     EXPECT_EQ(b_.error_status(), ErrorStatus{});
     b_.must_send(standard(0x100));

@@ -29,6 +29,7 @@ BitStreamProcessor::BitStreamProcessor(bool automatic_recovery, std::uint64_t re
 
 BitStreamProcessor::Events BitStreamProcessor::step_any(std::uint8_t seen) {
     may_join_ = false;
+    if (silent_) seen &= driven_;
     const ControllerState before = status().state;
     Events events = dispatch(seen);
     if (status().state != before) {
@@ -218,13 +219,13 @@ BitStreamProcessor::Events BitStreamProcessor::step_tail(std::uint8_t seen) {
         case State::crc_delimiter:
             if (is_dominant) return fail(ErrorKind::form, position());
             enter(State::ack_slot);
-            driven_ = !transmitter_ && crc_ok && !silent_ ? 0 : 1;
+            driven_ = !transmitter_ && crc_ok ? 0 : 1;
             return 0;
         case State::ack_slot:
             if (transmitter_ && !is_dominant) return fail(ErrorKind::acknowledgment, position());
             if (driven_ == 0) {
                 if (!is_dominant) return fail(ErrorKind::bit, position());
-                confinement_.received();
+                if (!silent_) confinement_.received();
             }
             enter(State::ack_delimiter);
             return 0;
@@ -258,7 +259,7 @@ BitStreamProcessor::Events BitStreamProcessor::step_tail(std::uint8_t seen) {
 
 BitStreamProcessor::Events BitStreamProcessor::fail(ErrorKind kind, FramePosition where) {
     error_ = {kind, where, transmitter_};
-    const bool is_passive = silent_ || !confinement_.is_active();
+    const bool is_passive = !confinement_.is_active();
     unacknowledged_ = false;
     if (!silent_) {
         if (!transmitter_) {
@@ -292,13 +293,6 @@ void BitStreamProcessor::begin_error_flag(bool is_passive) {
 }
 
 void BitStreamProcessor::begin_overload_flag() {
-    if (silent_) {
-        // It may not answer with dominant bits, only wait until the others are through.
-        unacknowledged_ = false;
-        enter(State::passive_error_flag);
-        run_ = 0;
-        return;
-    }
     enter(State::overload_flag);
     driven_ = 0;
 }
@@ -332,12 +326,12 @@ BitStreamProcessor::Events BitStreamProcessor::step_superposition(std::uint8_t s
         return 0;
     }
     ++count_;
-    if (silent_) {
-        count_ = 1;
-        return 0;
+    if (count_ == 1 && is_error && !transmitter_ && !silent_) {
+        confinement_.receiver_flag_was_first();
     }
-    if (count_ == 1 && is_error && !transmitter_) confinement_.receiver_flag_was_first();
-    if (count_ % dominant_bits_tolerated == 0) confinement_.eight_dominant_bits(transmitter_);
+    if (count_ % dominant_bits_tolerated == 0 && !silent_) {
+        confinement_.eight_dominant_bits(transmitter_);
+    }
     // A bus may be dominant for ever.
     if (count_ == 2 * dominant_bits_tolerated) count_ = dominant_bits_tolerated;
     return 0;

@@ -43,7 +43,7 @@ class BitStreamProcessor {
     BitStreamProcessor(bool automatic_recovery, std::uint64_t recessive_bits);
 
     /// The level that it sends in the bit time to come.
-    std::uint8_t driven() const { return driven_; }
+    std::uint8_t driven() const { return silent_ ? std::uint8_t{1} : driven_; }
 
     /// The bit time is over; `seen` is the level that was sampled.
     Events step(std::uint8_t seen) { return step_plain(seen) ? Events{0} : step_any(seen); }
@@ -97,7 +97,9 @@ class BitStreamProcessor {
     /// Whether the end of such a frame is then all there is to tell.
     bool is_predictable() const { return confinement_.status().rec <= 127; }
 
-    /// Silent on the bus, from the next frame on. `dominant`: a bit is under way that may be a SOF.
+    /// Silent on the bus, from the next frame on: as ISO 11898-1 has it for bus monitoring, what
+    /// would be dominant is seen by itself only, and the counters stand still. `dominant`: a bit is
+    /// under way that may be a SOF.
     void set_listen_only(bool on, bool dominant);
     bool is_listen_only() const { return listen_only_; }
     bool is_silent() const { return silent_; }  ///< in the present frame
