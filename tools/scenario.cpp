@@ -44,13 +44,15 @@ Result<Scenario, std::vector<std::string>> parse_scenario(std::string_view text)
             errors.push_back(std::to_string(number) +
                              ": only data and remote frames of classic CAN can be played");
         } else {
-            scenario.lines.push_back({parsed->time, parsed->interface, parsed->frame});
+            Scenario::Line line{parsed->time, parsed->interface, parsed->frame};
+            // In the order of time, and of the file where times are equal.
+            const auto after = std::upper_bound(
+                scenario.lines.begin(), scenario.lines.end(), line.time,
+                [](Duration time, const Scenario::Line& each) { return time < each.time; });
+            scenario.lines.insert(after, std::move(line));
         }
     }
     if (!errors.empty()) return Failure{std::move(errors)};
-    std::stable_sort(
-        scenario.lines.begin(), scenario.lines.end(),
-        [](const Scenario::Line& a, const Scenario::Line& b) { return a.time < b.time; });
     return scenario;
 }
 
