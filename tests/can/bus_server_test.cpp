@@ -6,9 +6,12 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <fstream>
 
+#include "orb/can/link/sim_link.hpp"
 #include "tests/can/bus_server_fixture.hpp"
 #include "tests/support/octets.hpp"
 
@@ -293,6 +296,139 @@ TEST_F(BusServerTest, TimesInTheFutureOrThePastGainNothing) {
             if (std::holds_alternative<TransmitResult>(*packet)) break;
         }
     }
+}
+
+TEST_F(BusServerTest, TellsAClientTheStatus) {
+    start();
+    const auto first = attach("pump-3");
+    const auto second = attach("valve");
+    RawClient client{path()};
+    client.say(sim::Hello{.wish = sim::Hello::Wish::status, .client_name = "asks"});
+    const auto welcome = client.hear();
+    ASSERT_TRUE(welcome && std::holds_alternative<sim::Welcome>(*welcome));
+    const auto bus = client.hear();
+    ASSERT_TRUE(bus && std::holds_alternative<sim::BusStatus>(*bus));
+    EXPECT_EQ(std::get<sim::BusStatus>(*bus).nodes, 2);
+    EXPECT_GT(std::get<sim::BusStatus>(*bus).bits, 0U);
+    for (const char* const name : {"pump-3", "valve"}) {
+        const auto node = client.hear();
+        ASSERT_TRUE(node && std::holds_alternative<sim::NodeStatus>(*node));
+        EXPECT_EQ(std::get<sim::NodeStatus>(*node).name, name);
+        EXPECT_EQ(std::get<sim::NodeStatus>(*node).status, ErrorStatus{});
+    }
+    client.expect_disconnection();
+}
+
+TEST_F(BusServerTest, ReportsWhatItsNodesDid) {
+    start();
+    const auto sender = attach("sender");
+    const auto receiver = attach("receiver");
+    ASSERT_TRUE(std::holds_alternative<TransmitHandle>(sender->send(Frame::standard(0x123, {}))));
+    ASSERT_TRUE(next<TransmitResult>(*sender));
+    const auto report = request_bus_report(SimAddress{path()});
+    ASSERT_TRUE(report) << report.error();
+    EXPECT_EQ(report->bitrate, 500'000U);
+    EXPECT_EQ(report->bus.frames, 1U);
+    EXPECT_GE(report->bus.busy_bits, 44U);
+    EXPECT_EQ(report->bus.recent_bits, std::min<std::uint64_t>(report->bus.bits, 500'000));
+    ASSERT_EQ(report->nodes.size(), 2U);
+    EXPECT_EQ(report->nodes[0].sent, 1U);
+    EXPECT_EQ(report->nodes[1].received, 1U);
+}
+
+TEST_F(BusServerTest, ReportsAsManyNodesAsThereMayBe) {
+    start();
+    std::vector<std::unique_ptr<RawClient>> clients;
+    for (int i = 0; i < 128; ++i) {
+        clients.push_back(std::make_unique<RawClient>(path()));
+        clients.back()->enter();
+    }
+    EXPECT_FALSE(open_link(address()));
+    const auto report = request_bus_report(SimAddress{path()});
+    ASSERT_TRUE(report) << report.error();
+    EXPECT_EQ(report->nodes.size(), 128U);
+}
+
+TEST_F(BusServerTest, AReportNeedsABus) {
+    const auto report = request_bus_report(SimAddress{path()});
+    ASSERT_FALSE(report);
+    EXPECT_THAT(report.error(), HasSubstr("no bus at " + address()));
+}
+
+TEST_F(BusServerTest, ReportsAtItsEnd) {
+    std::vector<BusReport> reports;
+    BusServerOptions with = options();
+    with.report = [&](const BusReport& report) { reports.push_back(report); };
+    start(with);
+    const auto client = attach("pump-3");
+    server_.reset();
+    ASSERT_FALSE(reports.empty());
+    ASSERT_EQ(reports.back().nodes.size(), 1U);
+    EXPECT_EQ(reports.back().nodes[0].name, "pump-3");
+}
+
+/// Which numbers nodes have had.
+class HighestNode : public sim::BitObserver {
+  public:
+    void node_attached(sim::NodeIndex node, std::string_view) override {
+        ++attached_;
+        highest_ = std::max(highest_, static_cast<std::size_t>(node));
+    }
+    void node_detached(sim::NodeIndex) override { --attached_; }
+    void bit(const sim::BusBit&) override {}
+
+    std::size_t highest() const { return highest_; }
+    int attached() const { return attached_; }
+
+  private:
+    std::size_t highest_ = 0;
+    int attached_ = 0;
+};
+
+std::size_t open_descriptors() {
+    const std::filesystem::directory_iterator directory{"/proc/self/fd"};
+    return static_cast<std::size_t>(std::distance(begin(directory), end(directory)));
+}
+
+TEST_F(BusServerTest, AThousandClientsThatGoLeaveNothingBehind) {
+    HighestNode nodes;
+    start(options(), [&](sim::Bus& bus) { bus.set_bit_observer(&nodes); });
+    const std::size_t before = open_descriptors();
+    for (int i = 0; i < 1000; ++i) {
+        RawClient client{path()};
+        if (i % 4 == 1) continue;  // goes without a word
+        client.enter();
+        client.say(send_request(1));
+        if (i % 4 == 2) client.say(octets("FF"));  // is thrown out
+        // With its frame on the bus, or about to be.
+    }
+    expect_working_bus();
+    // The daemon closes its ends as soon as it gets to it.
+    const auto patience = std::chrono::steady_clock::now() + std::chrono::milliseconds{patience_ms};
+    while (open_descriptors() != before && std::chrono::steady_clock::now() < patience) {
+        std::this_thread::yield();
+    }
+    EXPECT_EQ(open_descriptors(), before);
+    const auto report = request_bus_report(SimAddress{path()});
+    ASSERT_TRUE(report) << report.error();
+    EXPECT_TRUE(report->nodes.empty());
+    server_.reset();
+    EXPECT_EQ(nodes.attached(), 0);
+    EXPECT_LT(nodes.highest(), 20U);
+}
+
+TEST_F(BusServerTest, NodesHaveTheirClientsNames) {
+    std::mutex mutex;
+    std::string sender;
+    start(options(), [&](sim::Bus& bus) {
+        bus.set_trace([&](const sim::CompletedFrame& completed) {
+            const std::lock_guard lock{mutex};
+            sender = bus.name(completed.sender);
+        });
+    });
+    expect_working_bus();
+    const std::lock_guard lock{mutex};
+    EXPECT_EQ(sender, "good sender");
 }
 
 TEST_F(BusServerTest, LogsWhoComesAndGoes) {

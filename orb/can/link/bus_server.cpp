@@ -347,7 +347,8 @@ class BusServer::Server {
         const auto admitted = std::count_if(
             clients_.begin(), clients_.end(),
             [](const auto& other) { return !other->gone && other->node.has_value(); });
-        if (static_cast<std::size_t>(admitted) >= options_.max_clients) {
+        if (hello.wish != sim::Hello::Wish::status &&
+            static_cast<std::size_t>(admitted) >= options_.max_clients) {
             refuse(client,
                    "the bus has its " + std::to_string(options_.max_clients) + " clients already");
             return;

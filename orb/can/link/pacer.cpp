@@ -5,8 +5,8 @@
 namespace canorb::can {
 namespace {
 
-constexpr Duration shortest_patience = std::chrono::microseconds{1};
-constexpr Duration longest_patience = std::chrono::microseconds{100};
+constexpr int vain_wakes_allowed = 64;
+constexpr Duration least_sleep = std::chrono::microseconds{100};
 
 }  // namespace
 
@@ -14,13 +14,13 @@ TimePoint Pacer::wake_at(const sim::Bus& bus) {
     const sim::BusStatistics done = bus.statistics();
     const std::uint64_t progress = done.frames + done.error_frames;
     if (progress != progress_) {
-        patience_ = Duration::zero();
-    } else if (bus.now() >= wake_at_) {
-        patience_ = std::clamp(2 * patience_, shortest_patience, longest_patience);
+        vain_wakes_ = 0;
+    } else if (bus.now() >= wake_at_ && vain_wakes_ < vain_wakes_allowed) {
+        ++vain_wakes_;
     }
     progress_ = progress;
     wake_at_ = bus.next_event();
-    if (wake_at_ != never) wake_at_ = std::max(wake_at_, bus.now() + patience_);
+    if (vain_wakes_ == vain_wakes_allowed) wake_at_ = std::max(wake_at_, bus.now() + least_sleep);
     return wake_at_;
 }
 

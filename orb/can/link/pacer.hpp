@@ -9,8 +9,8 @@ namespace canorb::can {
 
 /// When the thread of a paced bus has to wake up. Bus::next_event() may be the next bit for as long
 /// as something is wrong on the bus, and a thread that woke for each bit would do nothing else. So
-/// one that wakes in vain sleeps longer each time, up to 100 microseconds, until a frame or an
-/// error frame came to its end. Frames that nothing disturbs are told sharply at the end of their
+/// one that has woken 64 times in vain sleeps 100 microseconds or more each time, until a frame or
+/// an error frame has come to its end. Frames that nothing disturbs are told at the end of their
 /// EOF.
 class Pacer {
   public:
@@ -20,7 +20,7 @@ class Pacer {
   private:
     std::uint64_t progress_ = 0;  ///< frames and error frames so far
     TimePoint wake_at_ = never;
-    Duration patience_{0};
+    int vain_wakes_ = 0;  ///< in a row
 };
 
 }  // namespace canorb::can
