@@ -44,12 +44,12 @@ Result<Scenario, std::vector<std::string>> parse_scenario(std::string_view text)
             errors.push_back(std::to_string(number) +
                              ": only data and remote frames of classic CAN can be played");
         } else {
-            Scenario::Line line{parsed->time, parsed->interface, parsed->frame};
+            Scenario::Line added{parsed->time, parsed->interface, parsed->frame};
             // In the order of time, and of the file where times are equal.
             const auto after = std::upper_bound(
-                scenario.lines.begin(), scenario.lines.end(), line.time,
-                [](Duration time, const Scenario::Line& each) { return time < each.time; });
-            scenario.lines.insert(after, std::move(line));
+                scenario.lines.begin(), scenario.lines.end(), added.time,
+                [](TimePoint time, const Scenario::Line& each) { return time < each.time; });
+            scenario.lines.insert(after, std::move(added));
         }
     }
     if (!errors.empty()) return Failure{std::move(errors)};
