@@ -14,8 +14,8 @@
 
 #include "orb/can/link/bus_server.hpp"
 #include "orb/can/link/link.hpp"
-#include "orb/can/sim/controller.hpp"
 #include "orb/can/sim/bus.hpp"
+#include "orb/can/sim/controller.hpp"
 #include "tests/can/slcan_adapter.hpp"
 #include "tests/can/temporary_directory.hpp"
 
