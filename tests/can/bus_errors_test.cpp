@@ -5,6 +5,7 @@
 
 #include <optional>
 
+#include "orb/can/sim/fault_injector.hpp"
 #include "tests/can/bus_fixture.hpp"
 
 namespace canorb::can::sim::test {
@@ -433,6 +434,47 @@ TEST_P(OneShot, MayWaitForABusyBus) {
     sender.must_send(standard(0x200), {.one_shot = true});
     run_until_quiet(bus_);
     EXPECT_EQ(other.received_ids(), Ids{0x200});
+}
+
+// ---- frames that do not begin on an idle bus
+
+std::vector<CompletedFrame> frames_under(std::string_view script, bool second_is_late) {
+    Bus bus{500'000};
+    FaultInjector injector{*parse_fault_script(script), 500'000};
+    bus.set_disturbance(&injector);
+    std::vector<CompletedFrame> frames;
+    bus.set_trace([&](const CompletedFrame& frame) { frames.push_back(frame); });
+    TestNode first{bus, {.name = "first"}};
+    TestNode second{bus, {.name = "second"}};
+    TestNode third{bus, {.name = "third"}};
+    first.must_send(standard(0x123));
+    if (second_is_late) bus.advance(at(bits(5)));
+    second.must_send(standard(0x456, "5555"));
+    bus.advance(at(bits(1000)));
+    return frames;
+}
+
+// 0x456 with 55 55 is 62 bits on the wire, 2 of them stuff bits.
+TEST(JoinedFrame, BeginsWithTheBitThatWasTakenForItsSof) {
+    const auto frames = frames_under("frame 123 at intermission.3 dominant wire", false);
+    ASSERT_EQ(frames.size(), 2U);
+    EXPECT_EQ(frames[1].frame.id, 0x456U);
+    EXPECT_EQ(frames[1].start, frames[0].time + bits(2));
+    EXPECT_EQ(frames[1].time, frames[1].start + bits(62));
+    EXPECT_EQ(frames[1].bits, 62U);
+    EXPECT_EQ(frames[1].stuff_bits, 2U);
+    EXPECT_EQ(frames[1].lost_arbitrations, 0U);
+}
+
+TEST(CutOffNode, BeginsAFrameDuringAnotherWithoutDisturbingItsAccount) {
+    // "second" hears nothing of the frame on the wire and begins one of its own at bit 5, in vain.
+    const auto frames = frames_under("at 0s cut-off second for 200 bits", true);
+    ASSERT_EQ(frames.size(), 2U);
+    EXPECT_EQ(frames[0].frame.id, 0x123U);
+    EXPECT_EQ(frames[0].start, at(0ns));
+    EXPECT_EQ(frames[0].time, frames[0].start + bits(frames[0].bits));
+    EXPECT_EQ(frames[1].frame.id, 0x456U);
+    EXPECT_EQ(frames[1].time, frames[1].start + bits(62));
 }
 
 }  // namespace

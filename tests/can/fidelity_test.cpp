@@ -162,10 +162,13 @@ class Schedule {
             const ErrorStatus status = node->error_status();
             log_.insert(log_.end(),
                         {static_cast<std::uint64_t>(status.state), status.tec, status.rec});
+            const NodeStatistics statistics = bus_.statistics(node->node());
+            log_.insert(log_.end(), {statistics.sent, statistics.received, statistics.errors,
+                                     statistics.lost_arbitrations, statistics.overruns,
+                                     statistics.arbitration_lost_at.value_or(99)});
+            if (statistics.last_error) log_.push_back(sja1000_error_code(*statistics.last_error));
             if (below(3) == 0) continue;  // its events wait, and hold its mailboxes
             while (const auto event = node->poll()) std::visit(*this, *event);
-            const NodeStatistics& statistics = bus_.statistics(node->node());
-            log_.insert(log_.end(), {statistics.sent, statistics.received, statistics.errors});
         }
     }
 

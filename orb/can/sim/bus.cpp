@@ -12,22 +12,36 @@ constexpr std::uint64_t nanoseconds = 1'000'000'000;
 constexpr std::uint32_t bits_after_ack_slot = 1 + 7;  // ACK delimiter, EOF
 constexpr std::uint32_t bits_to_ack_slot = 2;         // after the CRC: its delimiter, the slot
 
-std::uint32_t stuff_bits(const Frame& frame, const StuffedBits& bits) {
-    // SOF to CRC without data: 34 bits, or 54 of an extended frame.
-    const std::size_t plain = (frame.extended ? 54U : 34U) + 8 * frame.payload().size();
-    return static_cast<std::uint32_t>(bits.size - plain);
+/// The place on the wire of a bit that is the `plain`-th, from SOF on, without stuff bits.
+std::size_t place_on_wire(const StuffedBits& bits, std::size_t plain) {
+    std::size_t place = 0;
+    std::uint8_t last = 2;
+    for (int run = 0;; ++place) {
+        const bool is_stuff = run == 5;
+        run = bits.bits[place] == last ? run + 1 : 1;
+        last = bits.bits[place];
+        if (is_stuff) continue;
+        if (plain-- == 0) return place;
+    }
+}
+
+/// Where the sender of one arbitration field loses against another, as an SJA1000 counts: both
+/// begin with the bit after SOF.
+std::uint8_t lost_at(std::uint32_t loser, std::uint32_t winner) {
+    return static_cast<std::uint8_t>(std::countl_zero(loser ^ winner));
 }
 
 }  // namespace
 
-Bus::Bus(std::uint32_t bitrate, TimePoint start) : bitrate_(bitrate), time_(start), anchor_(start) {
+Bus::Bus(std::uint32_t bitrate, TimePoint start)
+    : bitrate_(bitrate), start_(start), time_(start), anchor_(start) {
     assert(bitrate >= lowest_bitrate && bitrate <= highest_bitrate);
 }
 
 // ---- nodes
 
 NodeIndex Bus::attach(const NodeOptions& options) {
-    assert(options.mailboxes >= 1 && options.mailboxes <= 255);
+    assert(options.mailboxes >= 1 && options.mailboxes <= 32);
     fruitless_ = false;
     if (idle_ && !jump_) settle_idle(time_);
     // A bit of which it saw the beginning only does not make it take part.
@@ -65,6 +79,7 @@ bool Bus::is_dominant() const {
 
 void Bus::remove(std::size_t index) {
     nodes_[index] = nullptr;
+    while (!nodes_.empty() && !nodes_.back()) nodes_.pop_back();
     rebuild_present();
     const NodeIndex node{static_cast<std::uint16_t>(index)};
     if (planned_ == node) planned_.reset();
@@ -86,9 +101,10 @@ void Bus::rebuild_present() {
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
         if (nodes_[i]) present_.push_back(i);
     }
-    driven_.assign(nodes_.size(), 1);
-    wire_.assign(nodes_.size(), 1);
-    seen_.assign(nodes_.size(), 1);
+    const std::size_t size = std::max<std::size_t>(nodes_.size(), 1);
+    driven_.assign(size, 1);
+    wire_.assign(size, 1);
+    seen_.assign(size, 1);
 }
 
 Node& Bus::at(NodeIndex node) {
@@ -181,6 +197,22 @@ std::optional<ControllerEvent> Bus::poll(NodeIndex node) {
     return at(node).events.pop();
 }
 
+NodeStatistics Bus::statistics(NodeIndex index) const {
+    const Node& node = at(index);
+    NodeStatistics statistics = node.statistics;
+    statistics.overruns = node.events.lost();
+    const Node::Mailbox* mailbox = jump_ ? node.on_bus() : nullptr;
+    if (mailbox != nullptr && mailbox->arbitration != jump_->arbitration) {
+        const std::uint8_t lost = lost_at(mailbox->arbitration, jump_->arbitration);
+        const std::uint64_t bit = bit_ + place_on_wire(jump_->bits, lost + 1U);
+        if (time_ >= time_of(bit + 1)) {
+            ++statistics.lost_arbitrations;
+            statistics.arbitration_lost_at = lost;
+        }
+    }
+    return statistics;
+}
+
 BusStatistics Bus::statistics() const {
     BusStatistics statistics = statistics_;
     if (jump_) {
@@ -195,6 +227,8 @@ BusStatistics Bus::statistics() const {
         statistics.busy_bits += std::min<std::uint64_t>(over - std::min(over, bit_),
                                                         static_cast<std::uint64_t>(intermission));
     }
+    // Frames that begin off the grid of the bits before them cost a fraction of a nanosecond each.
+    statistics.elapsed_bits = std::max(bits_within(time_ - start_), statistics.busy_bits);
     return statistics;
 }
 
@@ -412,7 +446,10 @@ void Bus::skip_fruitless(const Plan& plan, TimePoint to) {
     const std::uint64_t attempts = (begun - 1 - bit_) / period;
     for (const std::size_t i : present_) {
         Node& node = *nodes_[i];
-        if (would_start(node, plan.start, true)) node.statistics.errors += attempts;
+        if (attempts == 0 || !would_start(node, plan.start, true)) continue;
+        node.statistics.errors += attempts;
+        node.statistics.last_error =
+            ErrorCapture{ErrorKind::acknowledgment, {FrameField::ack_slot, 0, false}, true};
     }
     bit_ += attempts * period;
     statistics_.busy_bits += attempts * busy;
@@ -421,18 +458,29 @@ void Bus::skip_fruitless(const Plan& plan, TimePoint to) {
 
 // ---- a frame in one step
 
+/// What is the same in each of a frame's transmissions.
+CompletedFrame Bus::describe(const Node::Mailbox& mailbox) {
+    CompletedFrame completed;
+    completed.frame = mailbox.frame;
+    completed.bits = static_cast<std::uint32_t>(mailbox.bits.size) + frame_tail_bits;
+    // SOF to CRC without data: 34 bits, or 54 of an extended frame.
+    const std::size_t plain =
+        (mailbox.frame.extended ? 54U : 34U) + 8 * mailbox.frame.payload().size();
+    completed.stuff_bits = static_cast<std::uint32_t>(mailbox.bits.size - plain);
+    return completed;
+}
+
 void Bus::begin_jump(const Plan& plan) {
     const Node::Mailbox& winner = *plan.winner;
     jump_ = Jump{};  // clang 19 finds no emplace() for a nested class with defaults
     Jump& jump = *jump_;
     jump.arbitration = winner.arbitration;
     jump.end_bit = bit_ + winner.bits.size + frame_tail_bits;
-    jump.completed.frame = winner.frame;
+    jump.bits = winner.bits;
+    jump.completed = describe(winner);
     jump.completed.start = plan.start;
     jump.completed.time = time_of(jump.end_bit);
     jump.completed.sender = plan.sender;
-    jump.completed.bits = static_cast<std::uint32_t>(jump.end_bit - bit_);
-    jump.completed.stuff_bits = stuff_bits(winner.frame, winner.bits);
     jump.completed.lost_arbitrations = plan.losers;
     for (const std::size_t i : present_) {
         Node& node = *nodes_[i];
@@ -462,9 +510,7 @@ void Bus::end_jump() {
         const Node::Mailbox* mailbox = node.on_bus();
         const bool sends = mailbox != nullptr && mailbox->arbitration == jump.arbitration;
         if (mailbox != nullptr && !sends) {
-            // The first bit of the arbitration fields that differs: an SJA1000 counts them alike.
-            node.lose(static_cast<std::uint8_t>(
-                std::countl_zero(mailbox->arbitration ^ jump.arbitration)));
+            node.lose(lost_at(mailbox->arbitration, jump.arbitration));
         }
         const ControllerState before = node.processor.status().state;
         node.processor.end_undisturbed(sends);
@@ -487,10 +533,6 @@ TimePoint Bus::next_event() const {
         return time_of(std::max(quiet_until_, bit_ + 1));
     }
     TimePoint event = next_recovery();
-    const auto end_of_first_bit = [this](TimePoint start) {
-        const std::uint64_t bit = bit_at(start);
-        return time_of(bit) == start ? time_of(bit + 1) : start + span(1);
-    };
     if (const TimePoint disturbed = next_disturbance(); disturbed != never) {
         event = std::min(event, time_of(std::max(bit_, bit_at(disturbed)) + 1));
     }
@@ -498,16 +540,13 @@ TimePoint Bus::next_event() const {
     if (start == never || start >= event) return event;
     const Plan next = plan(start, true);
     if (next.fruitless && disturbance_ == nullptr && !is_watched()) return event;
-    if (disturbance_ != nullptr || next.quiet_bits <= 1) {
-        return std::min(event, end_of_first_bit(start));
-    }
+    const std::uint64_t bits = disturbance_ != nullptr ? 1 : next.quiet_bits;
     const std::uint64_t bit = bit_at(start);
-    return std::min(event, time_of(bit) == start ? time_of(bit + next.quiet_bits)
-                                                 : start + span(next.quiet_bits));
+    return std::min(event, time_of(bit) == start ? time_of(bit + bits) : start + span(bits));
 }
 
 void Bus::advance(TimePoint to) {
-    if (to < time_) return;
+    if (to < time_ || to == never) return;
     while (true) {
         if (jump_) {
             if (jump_->completed.time > to) break;

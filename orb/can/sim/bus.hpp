@@ -94,7 +94,7 @@ class Bus {
     const std::string& name(NodeIndex node) const {
         return nodes_[static_cast<std::size_t>(node)]->options.name;
     }
-    const NodeStatistics& statistics(NodeIndex node) const { return at(node).statistics; }
+    NodeStatistics statistics(NodeIndex node) const;
     BusStatistics statistics() const;
 
     /// No event comes before this moment if nobody does anything until then; `never` when the bus
@@ -104,7 +104,7 @@ class Bus {
     TimePoint next_event() const;
 
     /// Completes, in order, everything that ends at or before `to`; now() is `to` then. Going back
-    /// does nothing.
+    /// does nothing, and neither does `never`.
     void advance(TimePoint to);
 
     /// Nothing is on the bus, and nobody has anything to send that somebody would acknowledge.
@@ -123,7 +123,7 @@ class Bus {
         error_trace_ = std::move(trace);
     }
 
-    /// From the next frame on. It must outlive the bus; nullptr: none.
+    /// From the next frame on, until another one is set; nullptr: none.
     void set_disturbance(Disturbance* disturbance);
     void set_bit_observer(BitObserver* observer);
     void set_fidelity(Fidelity fidelity) { fidelity_ = fidelity; }
@@ -146,6 +146,7 @@ class Bus {
     /// A frame that is simulated in one step.
     struct Jump {
         CompletedFrame completed;
+        StuffedBits bits;
         std::uint32_t arbitration = 0;
         std::uint64_t end_bit = 0;
     };
@@ -177,6 +178,7 @@ class Bus {
     void skip_fruitless(const Plan& plan, TimePoint to);
 
     // A frame in one step.
+    static CompletedFrame describe(const Node::Mailbox& mailbox);
     void begin_jump(const Plan& plan);
     void end_jump();
 
@@ -189,12 +191,13 @@ class Bus {
     void begin_bit();
     void start_nodes(const Plan& plan, bool disturbed);
     void end_bit();
-    void end_watched_bit(bool disturbed);
+    std::uint8_t end_watched_bit(bool disturbed);
     void look_for_disturbance();
     void handle(std::size_t index, BitStreamProcessor::Events events);
     void complete_frame(std::size_t index);
 
     std::uint32_t bitrate_;
+    TimePoint start_;  ///< of the bus
     TimePoint time_;
 
     /// The grid of bits, and how many of them are over.
@@ -218,15 +221,16 @@ class Bus {
     std::uint64_t quiet_until_ = 0;  ///< the bit before which nothing can be observed
     /// The sender of the frame that was planned, until it detects an error.
     std::optional<NodeIndex> planned_;
-    TimePoint frame_start_;
-    std::uint64_t frame_start_bit_ = 0;
+    /// Nodes that lost the arbitration of the frames that began with this bit.
+    std::uint64_t lost_start_bit_ = 0;
     std::uint64_t frame_end_bit_ = 0;  ///< of its intermission, if nothing disturbs it
     std::uint32_t losers_ = 0;
-    bool completed_ = false;
+    std::uint64_t completed_bit_ = 0;  ///< at whose end a frame was complete last
 
     std::vector<std::unique_ptr<Node>> nodes_;
     std::vector<std::size_t> present_;  ///< indices of nodes_ that there are
     std::size_t leaving_ = 0;           ///< how many of them are detached
+    // For who watches: one element for each of nodes_, and at least one.
     std::vector<std::uint8_t> driven_;
     std::vector<std::uint8_t> wire_;
     std::vector<std::uint8_t> seen_;

@@ -16,6 +16,8 @@ void Bus::enter_bits() {
     frame_disturbed_ = false;
     in_error_ = false;
     quiet_until_ = 0;
+    completed_bit_ = 0;
+    losers_ = 0;
     planned_.reset();
     look_for_disturbance();
 }
@@ -52,21 +54,25 @@ void Bus::begin_bit() {
 }
 
 void Bus::start_nodes(const Plan& plan, bool disturbed) {
+    bool others_are_through = true;  // with the frame before, and its errors
     for (const std::size_t i : present_) {
         Node& node = *nodes_[i];
-        if (!node.has_mail() || !node.processor.may_start()) continue;
+        const BitStreamProcessor& processor = node.processor;
+        if (!processor.may_start()) {
+            others_are_through = others_are_through && processor.is_between_frames();
+            continue;
+        }
+        const bool joins = !processor.is_between_frames();
+        if (!node.has_mail()) continue;
         const Node::Mailbox& mailbox = *node.candidate();
         node.begin(mailbox);
+        node.start_bit = joins ? bit_ - 1 : bit_;
         node.processor.start(mailbox.bits, mailbox.frame.extended);
     }
+    if (others_are_through) in_error_ = false;
     planned_ = plan.sender;
     frame_disturbed_ = disturbed;
-    frame_start_ = plan.start;
-    frame_start_bit_ = bit_;
     frame_end_bit_ = bit_ + plan.winner->bits.size + frame_tail_bits + intermission_bits;
-    losers_ = 0;
-    in_error_ = false;
-    completed_ = false;
     may_start_ = false;
 }
 
@@ -82,8 +88,7 @@ void Bus::end_bit() {
     const bool watched = disturbed || observer_ != nullptr;
     std::uint8_t level = 1;
     if (watched) {
-        end_watched_bit(disturbed);
-        for (const std::size_t i : present_) level &= wire_[i];
+        level = end_watched_bit(disturbed);
     } else {
         for (const std::size_t i : present_) level &= nodes_[i]->processor.driven();
     }
@@ -113,8 +118,8 @@ void Bus::end_bit() {
     idle_ = disturbance_ == nullptr || bit_ < disturbed_bit_;
 }
 
-/// Fills wire_ and seen_.
-void Bus::end_watched_bit(bool disturbed) {
+/// Fills wire_ and seen_; returns the level of the bus.
+std::uint8_t Bus::end_watched_bit(bool disturbed) {
     for (const std::size_t i : present_) driven_[i] = nodes_[i]->processor.driven();
     wire_ = driven_;
     BitMoment moment;
@@ -128,10 +133,12 @@ void Bus::end_watched_bit(bool disturbed) {
     }
     std::uint8_t level = 1;  // also of a bus without nodes
     for (const std::uint8_t driven : wire_) level &= driven;
-    seen_.assign(nodes_.size(), level);
+    seen_.assign(wire_.size(), level);
     if (disturbed) disturbance_->disturb_seen(moment, wire_, seen_);
-    if (observer_ == nullptr) return;
-    observer_->bit(BusBit{moment.start, moment.end, level, driven_, seen_});
+    if (observer_ != nullptr) {
+        observer_->bit(BusBit{moment.start, moment.end, level, driven_, seen_});
+    }
+    return level;
 }
 
 void Bus::handle(std::size_t index, BitStreamProcessor::Events events) {
@@ -139,6 +146,8 @@ void Bus::handle(std::size_t index, BitStreamProcessor::Events events) {
     time_ = time_of(bit_ + 1);
     if ((events & BitStreamProcessor::lost_arbitration) != 0) {
         node.lose(node.processor.lost_at());
+        if (lost_start_bit_ != node.start_bit) losers_ = 0;
+        lost_start_bit_ = node.start_bit;
         ++losers_;
     }
     if ((events & BitStreamProcessor::detected_error) != 0) {
@@ -158,7 +167,7 @@ void Bus::handle(std::size_t index, BitStreamProcessor::Events events) {
         node.end_failed(time_);
     }
     if ((events & BitStreamProcessor::sent) != 0) {
-        if (!completed_) complete_frame(index);
+        if (completed_bit_ != bit_ + 1) complete_frame(index);  // else it is the same frame
         node.end_sent(time_);
     }
     if ((events & BitStreamProcessor::received) != 0) {
@@ -168,20 +177,15 @@ void Bus::handle(std::size_t index, BitStreamProcessor::Events events) {
 }
 
 void Bus::complete_frame(std::size_t index) {
-    completed_ = true;
+    completed_bit_ = bit_ + 1;
     ++statistics_.frames;
     if (!trace_) return;
-    const Node::Mailbox& mailbox = *nodes_[index]->on_bus();
-    CompletedFrame completed;
-    completed.frame = mailbox.frame;
-    completed.start = frame_start_;
+    const Node& node = *nodes_[index];
+    CompletedFrame completed = describe(*node.on_bus());
+    completed.start = time_of(node.start_bit);
     completed.time = time_;
     completed.sender = NodeIndex{static_cast<std::uint16_t>(index)};
-    completed.bits = static_cast<std::uint32_t>(bit_ + 1 - frame_start_bit_);
-    completed.stuff_bits = completed.bits - frame_tail_bits -
-                           ((mailbox.frame.extended ? 54U : 34U) +
-                            8 * static_cast<std::uint32_t>(mailbox.frame.payload().size()));
-    completed.lost_arbitrations = losers_;
+    completed.lost_arbitrations = lost_start_bit_ == node.start_bit ? losers_ : 0;
     trace_(completed);
 }
 

@@ -15,7 +15,7 @@ namespace canorb::can::sim {
 
 /// What a node's controller is like.
 struct NodeOptions {
-    std::size_t mailboxes = 8;           ///< 1..255
+    std::size_t mailboxes = 8;           ///< 1..32
     std::size_t receive_capacity = 512;  ///< received frames held for the reader; more are lost
     /// Exact filters, or 0 for a BasicCAN controller with two mask-and-match registers.
     std::size_t filter_list = 32;
@@ -51,6 +51,8 @@ struct NodeStatistics {
     std::uint64_t received = 0;  ///< valid frames of others, whatever its filters
     std::uint64_t lost_arbitrations = 0;
     std::uint64_t errors = 0;  ///< detected by it
+    std::uint64_t overruns =
+        0;  ///< frames that passed its filters and found the receive queue full
     /// Where it lost an arbitration last, as an SJA1000 counts: 0..10 identifier bits 28..18 (or
     /// 10..0 of a standard one), 11 SRR or RTR, 12 IDE, 13..30 identifier bits 17..0, 31 RTR of an
     /// extended frame.
@@ -60,6 +62,7 @@ struct NodeStatistics {
 
 /// How full a bus was since it began. Busy is each bit from SOF to the end of the intermission.
 struct BusStatistics {
+    std::uint64_t elapsed_bits = 0;  ///< bit times that are over, never less than the busy ones
     std::uint64_t busy_bits = 0;
     std::uint64_t frames = 0;        ///< sent and acknowledged
     std::uint64_t error_frames = 0;  ///< disturbances, however many nodes saw them

@@ -70,6 +70,8 @@ class Node {
     EventQueue events;
     NodeStatistics statistics;
     bool leaving = false;  ///< detached, and still in a frame
+    /// When its frame on the bus began: the bit of its SOF.
+    std::uint64_t start_bit = 0;
     /// recover() came during a frame that is simulated in one step: after so many of its bits.
     std::optional<std::uint64_t> recover_bit;
 
