@@ -239,6 +239,54 @@ TEST(FaultInjector, CountsBitsFromSof) {
     }
 }
 
+// An idle bus is not simulated unless somebody asks for it.
+TEST(FaultInjector, CountsBitsFromSofOnABusThatIsIdleAgain) {
+    Wire wire{"frame at bit.200 dominant wire"};
+    wire.now = at(1ms);
+    ASSERT_TRUE(wire.begin(standard_123));
+    EXPECT_EQ(wire.bit({0, 1, 1}, FramePosition{FrameField::start_of_frame, 0}).wire, 0);
+    const TimePoint next = wire.injector.next(wire.now);
+    EXPECT_GE(next, at(1ms + 199us));
+    EXPECT_LT(next, at(1ms + 200us));
+    wire.now = at(1ms + 198us);
+    EXPECT_EQ(wire.idle_bit(), (Levels{1, 1, 1}));
+    EXPECT_EQ(wire.idle_bit(), (Levels{0, 0, 0}));
+    EXPECT_EQ(wire.injector.next(wire.now), never);
+    EXPECT_EQ(wire.idle_bit(), (Levels{1, 1, 1}));
+    EXPECT_EQ(wire.injector.acted(0), 1U);
+}
+
+TEST(FaultInjector, CountsBitsFromSofUpToTheNextFrame) {
+    Wire wire{"frame 123 at bit.200 dominant wire"};
+    ASSERT_TRUE(wire.begin(standard_123));
+    wire.now = at(150us);
+    EXPECT_FALSE(wire.begin(extended_123));
+    EXPECT_EQ(wire.injector.next(wire.now), never);
+    wire.now = at(199us);
+    EXPECT_EQ(wire.idle_bit(), (Levels{1, 1, 1}));
+}
+
+TEST(FaultInjector, DoesNotMakeUpForABitOfAFrameThatItWasNotAskedFor) {
+    Wire wire{"frame at bit.200 dominant wire"};
+    ASSERT_TRUE(wire.begin(standard_123));
+    wire.now = at(200us);
+    EXPECT_EQ(wire.idle_bit(), (Levels{1, 1, 1}));
+    EXPECT_EQ(wire.injector.next(wire.now), never);
+}
+
+// The bits of 300 kbit/s begin at 0, 3333, 6666, 10000, 13333 ns.
+TEST(FaultInjector, CountsBitsFromSofThatAreNoWholeNanoseconds) {
+    FaultInjector injector{*parse_fault_script("frame at bit.4 dominant wire"), 300'000};
+    injector.node_attached(a, "a");
+    ASSERT_TRUE(injector.begin_frame({standard_123, a, at(3333ns), at(1ms)}));
+    EXPECT_GE(injector.next(at(3333ns)), at(13333ns));
+    Levels driven{1};
+    injector.disturb_driven({at(10000ns), at(13333ns), {}}, driven);
+    EXPECT_EQ(driven, Levels{1});
+    injector.disturb_driven({at(13333ns), at(16666ns), {}}, driven);
+    EXPECT_EQ(driven, Levels{0});
+}
+
 TEST(FaultInjector, CountsTheAttemptsThatFit) {
     Wire wire{"frame 123 from a attempt 2..3 at sof flip wire"};
     const auto begins = [&](const Frame& frame, NodeIndex sender) {
@@ -375,7 +423,102 @@ TEST(FaultInjector, TheLaterLineWinsAndFlipsCancel) {
     EXPECT_EQ(wire.idle_bit(), (Levels{1, 0, 0}));
 }
 
+TEST(FaultInjector, FlipsComeLastAlsoThoseDrawnByLot) {
+    Wire wire{
+        "bit-error-rate 1 a, b\n"
+        "at 0s flip c for 4 bits\n"
+        "at 1us cut-off each-node for 1 bit\n"
+        "at 2us dominant each-node\n"
+        "at 3us recessive each-node\n"};
+    EXPECT_EQ(wire.bit({1, 1, 1}).seen, (Levels{0, 0, 0}));
+    EXPECT_EQ(wire.bit({0, 1, 0}).seen, (Levels{1, 0, 1})) << "each sees itself, flipped";
+    EXPECT_EQ(wire.bit({1, 1, 1}).seen, (Levels{1, 1, 1}));
+    EXPECT_EQ(wire.bit({0, 0, 0}).seen, (Levels{0, 0, 0}));
+}
+
 // ---- nodes that come and go
+
+TEST(FaultInjector, NeedNotKnowWhoeverTheBusHasAPlaceFor) {
+    Wire wire{
+        "at 0s dominant wire\n"
+        "at 1us cut-off each-node for 1 bit\n"
+        "at 2us stuck-dominant each-node for 1 bit\n"
+        "at 3us flip each-node\n"
+        "bit-error-rate 1e-18 each-node"};
+    wire.injector.node_detached(b);
+    const std::uint8_t r = 1;
+    EXPECT_EQ(wire.bit({r, r, r, r, r}).seen, (Levels{0, 0, 0, 0, 0}));
+    EXPECT_EQ(wire.bit({r, 0, r, r, r}).seen, (Levels{1, 0, 1, 0, 0})) << "b is not its node";
+    EXPECT_EQ(wire.bit({r, r, r, r, r}).wire, 0);
+    EXPECT_EQ(wire.bit({r, r, r, r, r}).seen, (Levels{0, 1, 0, 1, 1}));
+    wire.injector.node_detached(NodeIndex{9});
+    EXPECT_FALSE(wire.begin(standard_123, NodeIndex{9}));
+}
+
+TEST(FaultInjector, MayBeAskedForFewerNodesThanItKnows) {
+    Wire wire{
+        "at 0s dominant wire for 2 bits\n"
+        "at 2us cut-off each-node for 2 bits\n"
+        "at 4us stuck-dominant each-node for 2 bits\n"
+        "bit-error-rate 1 c"};
+    for (int i = 0; i < 3; ++i) {
+        EXPECT_EQ(wire.bit({1}).seen, Levels{i == 1 ? std::uint8_t{1} : std::uint8_t{0}}) << i;
+        EXPECT_EQ(wire.bit({}).seen, Levels{}) << i;
+    }
+}
+
+TEST(FaultInjector, DisturbsTheWireOfABusWithoutNodes) {
+    FaultInjector injector{*parse_fault_script("at 0s dominant wire for 2 bits\n"
+                                               "at 1us flip wire\n"
+                                               "at 2us flip each-node\n"
+                                               "at 3us stuck-dominant each-node"),
+                           1'000'000};
+    std::string wire;
+    for (int i = 0; i < 4; ++i) {
+        Levels driven{1};
+        const BitMoment moment{at(i * 1us), at((i + 1) * 1us), {}};
+        injector.disturb_driven(moment, driven);
+        Levels seen = driven;
+        injector.disturb_seen(moment, driven, seen);
+        EXPECT_EQ(seen, driven);
+        wire += seen[0] == 0 ? '0' : '1';
+    }
+    EXPECT_EQ(wire, "0111");
+    EXPECT_EQ(injector.unused().size(), 2U);
+}
+
+TEST(FaultInjector, ForgetsTheNodesOfAnotherBus) {
+    Wire wire{"at 0s stuck-dominant b\nbit-error-rate 1 a, b"};
+    EXPECT_EQ(wire.bit({1, 1, 1}).seen, (Levels{1, 1, 0}));
+    wire.injector.bus_entered();
+    EXPECT_EQ(wire.injector.next(wire.now), never);
+    EXPECT_EQ(wire.bit({1, 1, 1}).seen, (Levels{1, 1, 1}));
+    wire.injector.node_attached(c, "b");
+    EXPECT_EQ(wire.injector.next(wire.now), wire.now);
+    EXPECT_EQ(wire.bit({1, 1, 1}).seen, (Levels{0, 0, 1}));
+}
+
+/// A bus keeps the places of nodes that have left.
+TEST(FaultInjector, ComesToABusThatNodesHaveLeft) {
+    FaultInjector injector{*parse_fault_script("at 1ms dominant wire for 20 bits\n"
+                                               "at 1ms cut-off a\n"
+                                               "at 2ms recessive each-node for 20 bits"),
+                           1'000'000};
+    Bus bus{1'000'000};
+    std::vector<NodeIndex> nodes;
+    for (const char* name : {"a", "b", "c", "d"}) nodes.push_back(bus.attach({.name = name}));
+    while (nodes.size() > 1) {
+        bus.detach(nodes.back());
+        nodes.pop_back();
+    }
+    bus.set_disturbance(&injector);
+    bus.advance(at(1500us));
+    bus.detach(nodes.back());
+    bus.advance(at(3ms));
+    EXPECT_EQ(injector.acted(0), 1U);
+    EXPECT_EQ(injector.acted(1), 1U);
+    EXPECT_EQ(injector.acted(2), 0U);
+}
 
 TEST(FaultInjector, KnowsNodesByTheirNames) {
     FaultInjector injector{*parse_fault_script("at 0s cut-off pump, valve\nat 0s flip sensor"),

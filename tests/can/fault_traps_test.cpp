@@ -339,6 +339,22 @@ TEST(Faults, ADominantBitOnAnIdleBus) {
     EXPECT_EQ(times(plant.left).size(), 1U);
 }
 
+/// 115 bits of the frame and 3 of intermission are over at bit 150.
+TEST(Faults, ABitAfterAFrameIsDisturbedWhoeverLooks) {
+    for (const Fidelity fidelity : {Fidelity::frames, Fidelity::bits}) {
+        Plant plant{"frame 123 at bit.150 dominant pump-3\nat 30ms recessive wire for 100 bits"};
+        plant.bus.set_fidelity(fidelity);
+        plant.pump.must_send(frame_123());
+        plant.run_for(bits(149));
+        EXPECT_EQ(plant.faults.acted(0), 0U);
+        plant.run_for(bits(1));
+        EXPECT_EQ(plant.faults.acted(0), 1U);
+        plant.run_for(40ms);
+        EXPECT_EQ(plant.faults.acted(0), 1U);
+        EXPECT_EQ(plant.faults.acted(1), 1U);
+    }
+}
+
 TEST(Faults, NoiseIsTheSameEachTime) {
     const auto run = [](const std::string& script) {
         Plant plant{script};

@@ -235,6 +235,7 @@ BusStatistics Bus::statistics() const {
 void Bus::set_disturbance(Disturbance* disturbance) {
     disturbance_ = disturbance;
     if (disturbance == nullptr) return;
+    disturbance->bus_entered();
     for (const std::size_t i : present_) {
         disturbance->node_attached(NodeIndex{static_cast<std::uint16_t>(i)},
                                    nodes_[i]->options.name);

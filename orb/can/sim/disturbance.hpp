@@ -33,10 +33,15 @@ struct BitMoment {
 /// each frame, and simulates bit by bit those that it may touch. It must not call the bus.
 ///
 /// Levels: 0 is dominant, 1 recessive. The spans have an element for each NodeIndex up to the
-/// highest attached.
+/// highest attached, and may have more: those of nodes that are not there are recessive at first,
+/// and what is done to them matters only to the wire.
 class Disturbance {
   public:
     virtual ~Disturbance() = default;
+
+    /// It has been given to a bus: what it was told of nodes before is no more true. Those of that
+    /// bus follow.
+    virtual void bus_entered() {}
     virtual void node_attached(NodeIndex node, std::string_view name) = 0;
     virtual void node_detached(NodeIndex node) = 0;
 

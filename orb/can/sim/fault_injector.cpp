@@ -1,7 +1,6 @@
 #include "orb/can/sim/fault_injector.hpp"
 
 #include <algorithm>
-#include <cassert>
 #include <utility>
 
 namespace canorb::can::sim {
@@ -83,6 +82,17 @@ bool contains(const std::vector<T>& elements, T element) {
     return std::find(elements.begin(), elements.end(), element) != elements.end();
 }
 
+/// Of the bit with that number, counted from 1, since the start of the first. Bits begin at whole
+/// nanoseconds, rounded: their middles are the moments that are surely theirs.
+Duration middle_of_bit(std::uint64_t number, std::uint32_t bitrate) {
+    const std::uint64_t half_bits = 2 * number - 1;
+    return Duration{static_cast<Duration::rep>(half_bits * second / 2 / bitrate)};
+}
+
+bool is_any_dominant(std::span<const std::uint8_t> levels) {
+    return std::find(levels.begin(), levels.end(), 0) != levels.end();
+}
+
 std::size_t index_of(NodeIndex node) {
     return static_cast<std::size_t>(node);
 }
@@ -134,10 +144,17 @@ std::vector<std::string> FaultInjector::absent_names() const {
     return result;
 }
 
+void FaultInjector::bus_entered() {
+    nodes_.clear();
+    std::erase_if(lotteries_, [](const Lottery& lottery) { return !lottery.wire; });
+    find_next();
+    combine_effects();
+}
+
 void FaultInjector::node_attached(NodeIndex node, std::string_view name) {
     if (nodes_.size() <= index_of(node)) nodes_.resize(index_of(node) + 1);
     remove_lotteries(node);  // it may be told twice, by a bus that was left and taken again
-    nodes_[index_of(node)] = Node{true, find(name)};
+    nodes_[index_of(node)] = Node{true, find(name), {}, 1};
     const Name found = nodes_[index_of(node)].name;
     if (found != Name::unnamed) name_attached_[static_cast<std::size_t>(found)] = true;
     for (std::size_t i = 0; i < script_.faults.size(); ++i) {
@@ -146,13 +163,15 @@ void FaultInjector::node_attached(NodeIndex node, std::string_view name) {
         if (names(i, found)) add_lottery(i, false, node);
     }
     find_next();
+    combine_effects();
 }
 
 void FaultInjector::node_detached(NodeIndex node) {
-    assert(index_of(node) < nodes_.size());
+    if (index_of(node) >= nodes_.size()) return;
     nodes_[index_of(node)] = Node{};
     remove_lotteries(node);
     find_next();
+    combine_effects();
 }
 
 void FaultInjector::remove_lotteries(NodeIndex node) {
@@ -162,23 +181,27 @@ void FaultInjector::remove_lotteries(NodeIndex node) {
 
 bool FaultInjector::begin_frame(const PlannedFrame& planned) {
     last_ = std::max(last_, planned.start);
-    frame_start_ = planned.start;
-    frame_bits_ = 0;
     stuff_bits_ = 0;
     armed_.clear();
+    next_armed_ = never;
+    const std::size_t sender = index_of(planned.sender);
+    const Name sender_name = sender < nodes_.size() ? nodes_[sender].name : Name::unnamed;
     for (FrameTrigger& trigger : frame_triggers_) {
         const auto& when = *std::get_if<InFrame>(&script_.faults[trigger.fault].trigger);
         if (!matches(when, planned.frame)) continue;
-        const bool is_sender = trigger.sender == Name::unnamed ||
-                               trigger.sender == nodes_[index_of(planned.sender)].name;
-        if (!is_sender) continue;
+        if (trigger.sender != Name::unnamed && trigger.sender != sender_name) continue;
         ++trigger.attempts;
         if (trigger.attempts < when.first_attempt || trigger.attempts > when.last_attempt) continue;
-        const bool is_in_field = when.place.field != FramePlace::Field::stuff_bit &&
-                                 when.place.field != FramePlace::Field::any_bit;
-        const auto position = position_of(when.place, planned.frame);
-        if (is_in_field && !position) continue;
-        armed_.push_back({trigger.fault, when.place, position.value_or(FramePosition{})});
+        Armed armed{trigger.fault, when.place, {}};
+        if (when.place.field == FramePlace::Field::any_bit) {
+            armed.middle = planned.start + middle_of_bit(when.place.number, bitrate_);
+            next_armed_ = std::min(next_armed_, armed.middle);
+        } else if (when.place.field != FramePlace::Field::stuff_bit) {
+            const auto position = position_of(when.place, planned.frame);
+            if (!position) continue;
+            armed.position = *position;
+        }
+        armed_.push_back(armed);
     }
     recessive_bits_ = 0;
     return !armed_.empty() || next(planned.start) < planned.end;
@@ -186,20 +209,18 @@ bool FaultInjector::begin_frame(const PlannedFrame& planned) {
 
 TimePoint FaultInjector::next(TimePoint from) const {
     for (const Effect& effect : effects_) {
-        if (effect.until <= from || !acts(effect)) continue;
+        if (effect.until <= from || !effect.acts) continue;
         // Who is cut off from an idle bus sees what he would see on it.
         const bool is_cut_off = script_.faults[effect.fault].kind == FaultKind::cut_off;
         if (!is_cut_off || recessive_bits_ < quiet_bits) return from;
     }
-    return std::max(from, next_);
+    return std::max(from, std::min(next_, next_armed_));
 }
 
 void FaultInjector::disturb_driven(const BitMoment& moment, std::span<std::uint8_t> driven) {
-    const bool is_recessive = std::find(driven.begin(), driven.end(), 0) == driven.end();
-    recessive_bits_ = is_recessive ? recessive_bits_ + 1 : 0;
-    if (moment.start >= frame_start_) ++frame_bits_;
+    recessive_bits_ = is_any_dominant(driven) ? 0 : recessive_bits_ + 1;
     if (moment.position && moment.position->stuff) ++stuff_bits_;
-    std::erase_if(effects_, [&](const Effect& effect) { return effect.until <= moment.start; });
+    end_effects(moment.start);
     wire_flipped_ = false;
     flipped_.clear();
     if (next_ < moment.end) {
@@ -209,62 +230,37 @@ void FaultInjector::disturb_driven(const BitMoment& moment, std::span<std::uint8
     }
     if (!armed_.empty()) run_armed(moment);
     last_ = std::max(last_, moment.end);
-    if (effects_.empty() && !wire_flipped_) return;
-
     count_effects();
-    std::uint8_t wire = 1;
-    for (std::size_t i = 0; i < driven.size(); ++i) {
-        Node& node = nodes_[i];
-        if (acts_on(FaultKind::stuck_dominant, node)) driven[i] = 0;
-        node.cut_off = acts_on(FaultKind::cut_off, node);
-        if (node.cut_off) node.sent = std::exchange(driven[i], std::uint8_t{1});
-        wire = wire & driven[i];
-    }
-    const std::uint8_t level = disturbed_wire(wire);
-    if (level != wire) std::fill(driven.begin(), driven.end(), level);
-}
 
-std::uint8_t FaultInjector::disturbed_wire(std::uint8_t level) const {
-    bool flipped = wire_flipped_;
-    for (const Effect& effect : effects_) {
-        const Fault& fault = script_.faults[effect.fault];
-        if (fault.targets.scope != FaultTargets::Scope::wire) continue;
-        switch (fault.kind) {
-            case FaultKind::flip:
-                flipped = !flipped;
-                break;
-            case FaultKind::dominant:
-            case FaultKind::stuck_dominant:
-                level = 0;
-                break;
-            case FaultKind::recessive:
-                level = 1;
-                break;
-            case FaultKind::cut_off:
-            case FaultKind::reconnect:
-                break;
+    if (nodes_disturbed_) {
+        const std::size_t known = std::min(driven.size(), nodes_.size());
+        for (std::size_t i = 0; i < known; ++i) {
+            Node& node = nodes_[i];
+            if (node.disturbed.stuck) driven[i] = 0;
+            if (node.disturbed.cut_off) node.sent = std::exchange(driven[i], std::uint8_t{1});
         }
     }
-    return flipped ? level ^ 1U : level;
+    const bool flips = wire_.flipped != wire_flipped_;
+    if (!wire_.forced && !flips) return;
+    std::uint8_t level = wire_.forced.value_or(is_any_dominant(driven) ? 0 : 1);
+    if (flips) level ^= 1U;
+    std::fill(driven.begin(), driven.end(), level);
 }
 
 void FaultInjector::disturb_seen(const BitMoment& /*moment*/,
                                  std::span<const std::uint8_t> /*driven*/,
                                  std::span<std::uint8_t> seen) {
-    for (const NodeIndex node : flipped_) seen[index_of(node)] ^= 1U;
-    if (effects_.empty()) return;
-    for (std::size_t i = 0; i < seen.size(); ++i) {
-        const Node& node = nodes_[i];
-        bool flipped = false;
-        if (node.cut_off) seen[i] = node.sent;
-        for (const Effect& effect : effects_) {
-            if (!concerns(effect, node)) continue;
-            const FaultKind kind = script_.faults[effect.fault].kind;
-            if (kind == FaultKind::dominant) seen[i] = 0;
-            if (kind == FaultKind::recessive) seen[i] = 1;
-            if (kind == FaultKind::flip) flipped = !flipped;
+    if (nodes_disturbed_) {
+        const std::size_t known = std::min(seen.size(), nodes_.size());
+        for (std::size_t i = 0; i < known; ++i) {
+            const Node& node = nodes_[i];
+            if (node.disturbed.cut_off) seen[i] = node.sent;
+            if (node.disturbed.forced) seen[i] = *node.disturbed.forced;
+            if (node.disturbed.flipped) seen[i] ^= 1U;
         }
-        if (flipped) seen[i] ^= 1U;
+    }
+    for (const NodeIndex node : flipped_) {
+        if (index_of(node) < seen.size()) seen[index_of(node)] ^= 1U;
     }
 }
 
@@ -287,24 +283,62 @@ bool FaultInjector::concerns(const Effect& effect, const Node& node) const {
            !contains(effect.reconnected, node.name);
 }
 
-bool FaultInjector::acts(const Effect& effect) const {
-    return script_.faults[effect.fault].targets.scope == FaultTargets::Scope::wire ||
-           std::any_of(nodes_.begin(), nodes_.end(),
-                       [&](const Node& node) { return concerns(effect, node); });
+void FaultInjector::add(FaultKind kind, Disturbed& disturbed) {
+    switch (kind) {
+        case FaultKind::flip:
+            disturbed.flipped = !disturbed.flipped;
+            break;
+        case FaultKind::dominant:
+            disturbed.forced = 0;
+            break;
+        case FaultKind::recessive:
+            disturbed.forced = 1;
+            break;
+        case FaultKind::stuck_dominant:
+            disturbed.stuck = true;
+            break;
+        case FaultKind::cut_off:
+            disturbed.cut_off = true;
+            break;
+        case FaultKind::reconnect:
+            break;
+    }
 }
 
-bool FaultInjector::acts_on(FaultKind kind, const Node& node) const {
-    return std::any_of(effects_.begin(), effects_.end(), [&](const Effect& effect) {
-        return script_.faults[effect.fault].kind == kind && concerns(effect, node);
-    });
+/// Whenever effects or nodes come and go: bits are too many to do it for each.
+void FaultInjector::combine_effects() {
+    wire_ = Disturbed{};
+    nodes_disturbed_ = false;
+    for (Node& node : nodes_) node.disturbed = Disturbed{};
+    for (Effect& effect : effects_) {
+        const Fault& fault = script_.faults[effect.fault];
+        effect.acts = fault.targets.scope == FaultTargets::Scope::wire;
+        if (effect.acts) {
+            const bool is_stuck = fault.kind == FaultKind::stuck_dominant;
+            add(is_stuck ? FaultKind::dominant : fault.kind, wire_);
+            continue;
+        }
+        for (Node& node : nodes_) {
+            if (!concerns(effect, node)) continue;
+            effect.acts = true;
+            nodes_disturbed_ = true;
+            add(fault.kind, node.disturbed);
+        }
+    }
 }
 
 void FaultInjector::count_effects() {
     for (Effect& effect : effects_) {
-        if (effect.counted || !acts(effect)) continue;
+        if (effect.counted || !effect.acts) continue;
         effect.counted = true;
         ++acted_[effect.fault];
     }
+}
+
+void FaultInjector::end_effects(TimePoint time) {
+    const auto ended =
+        std::erase_if(effects_, [&](const Effect& effect) { return effect.until <= time; });
+    if (ended > 0) combine_effects();
 }
 
 /// When a bit begins, on a bus that has had no other.
@@ -394,10 +428,12 @@ void FaultInjector::run_lotteries(const BitMoment& moment) {
 }
 
 void FaultInjector::run_armed(const BitMoment& moment) {
+    next_armed_ = never;
     for (const Armed& armed : armed_) {
         bool is_here = false;
         if (armed.place.field == FramePlace::Field::any_bit) {
-            is_here = frame_bits_ == armed.place.number;
+            is_here = armed.middle >= moment.start && armed.middle < moment.end;
+            if (armed.middle >= moment.end) next_armed_ = std::min(next_armed_, armed.middle);
         } else if (armed.place.field == FramePlace::Field::stuff_bit) {
             is_here =
                 moment.position && moment.position->stuff && stuff_bits_ == armed.place.number;
@@ -426,6 +462,7 @@ void FaultInjector::activate(std::size_t index, const BitMoment& moment) {
     } else {
         effects_.insert(place, std::move(effect));
     }
+    combine_effects();
 }
 
 void FaultInjector::reconnect(std::size_t index) {
@@ -448,7 +485,9 @@ void FaultInjector::reconnect(std::size_t index) {
         });
     };
     std::erase_if(effects_, ends);
-    if (has_ended) ++acted_[index];
+    if (!has_ended) return;
+    ++acted_[index];
+    combine_effects();
 }
 
 }  // namespace canorb::can::sim

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <random>
 #include <span>
 #include <string>
@@ -40,6 +41,7 @@ class FaultInjector : public Disturbance {
     /// The names in the script that no node had so far, each once.
     std::vector<std::string> absent_names() const;
 
+    void bus_entered() override;
     void node_attached(NodeIndex node, std::string_view name) override;
     void node_detached(NodeIndex node) override;
     bool begin_frame(const PlannedFrame& planned) override;
@@ -52,10 +54,18 @@ class FaultInjector : public Disturbance {
     /// An index in names_; unnamed for a node whose name is not in the script.
     enum class Name : std::size_t { unnamed = SIZE_MAX };
 
+    /// What the effects together do to a node or the wire.
+    struct Disturbed {
+        bool stuck = false;  ///< the transmitter
+        bool cut_off = false;
+        std::optional<std::uint8_t> forced{};  ///< level
+        bool flipped = false;
+    };
+
     struct Node {
         bool attached = false;
         Name name = Name::unnamed;
-        bool cut_off = false;   ///< in the present bit
+        Disturbed disturbed{};
         std::uint8_t sent = 1;  ///< in the present bit, where cut_off
     };
 
@@ -74,7 +84,8 @@ class FaultInjector : public Disturbance {
     struct Armed {
         std::size_t fault = 0;
         FramePlace place;
-        FramePosition position;  ///< where the place is in a field
+        FramePosition position;    ///< where the place is in a field
+        TimePoint middle = never;  ///< of the bit, where the place is counted in bits from SOF
     };
 
     /// (1 - probability) to the power of 2^k, times 2^64.
@@ -94,16 +105,17 @@ class FaultInjector : public Disturbance {
         std::size_t fault = 0;
         TimePoint until = never;          ///< acts in bits that begin before
         std::vector<Name> reconnected{};  ///< nodes that its cut_off has left
+        bool acts = false;                ///< on a node that is there, or on the wire
         bool counted = false;             ///< in acted_
     };
 
     Name find(std::string_view name) const;
     bool names(std::size_t fault, Name name) const;
     bool concerns(const Effect& effect, const Node& node) const;
-    bool acts(const Effect& effect) const;
-    bool acts_on(FaultKind kind, const Node& node) const;
-    std::uint8_t disturbed_wire(std::uint8_t level) const;
+    static void add(FaultKind kind, Disturbed& disturbed);
+    void combine_effects();
     void count_effects();
+    void end_effects(TimePoint time);
 
     TimePoint time_of_bit(std::uint64_t bit) const;
     std::uint64_t first_bit_at(TimePoint time) const;
@@ -137,12 +149,13 @@ class FaultInjector : public Disturbance {
 
     std::vector<FrameTrigger> frame_triggers_;
     std::vector<Armed> armed_;
-    TimePoint frame_start_ = never;
-    std::uint32_t frame_bits_ = 0;      ///< of the present frame, up to the present bit
-    std::uint32_t stuff_bits_ = 0;      ///< among them
+    TimePoint next_armed_ = never;      ///< the earliest of their bits that are counted from SOF
+    std::uint32_t stuff_bits_ = 0;      ///< of the present frame, up to the present bit
     std::uint32_t recessive_bits_ = 0;  ///< sent by all nodes, up to the present bit
 
     std::vector<Effect> effects_;     ///< in the order of the script, at most one for each fault
+    Disturbed wire_;                  ///< by effects_, as Node::disturbed
+    bool nodes_disturbed_ = false;    ///< any of them, by effects_
     bool wire_flipped_ = false;       ///< by lot, in the present bit
     std::vector<NodeIndex> flipped_;  ///< nodes, the same
 };

@@ -62,7 +62,8 @@ struct FramePlace {
         end_of_frame,  ///< 1..7
         intermission,  ///< 1..3
         stuff_bit,     ///< 1..29: of the whole frame
-        any_bit,       ///< 1..999: from SOF, stuff bits included, and on through an error frame
+        any_bit,       ///< 1..999: from SOF, stuff bits included, on through an error frame and an
+                       ///< idle bus, until another frame begins
     };
     Field field = Field::start_of_frame;
     std::uint16_t number = 1;
