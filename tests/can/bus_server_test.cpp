@@ -12,6 +12,8 @@
 #include <fstream>
 
 #include "orb/can/link/sim_link.hpp"
+#include "orb/can/sim/fault_injector.hpp"
+#include "orb/can/sim/fault_script.hpp"
 #include "tests/can/bus_server_fixture.hpp"
 #include "tests/support/octets.hpp"
 
@@ -19,6 +21,7 @@ namespace canorb::can::test {
 
 namespace {
 
+using namespace std::chrono_literals;
 using canorb::test::octets;
 using testing::HasSubstr;
 
@@ -353,6 +356,55 @@ TEST_F(BusServerTest, AReportNeedsABus) {
     const auto report = request_bus_report(SimAddress{path()});
     ASSERT_FALSE(report);
     EXPECT_THAT(report.error(), HasSubstr("no bus at " + address()));
+}
+
+/// Whoever watches the bits takes a hundred times as long as they do.
+class SlowObserver final : public sim::BitObserver {
+  public:
+    void node_attached(sim::NodeIndex, std::string_view) override {}
+    void node_detached(sim::NodeIndex) override {}
+    void bit(const sim::BusBit&) override {
+        const TimePoint end = monotonic_now() + 100us;
+        while (monotonic_now() < end) continue;
+    }
+};
+
+TEST_F(BusServerTest, ServesEverybodyOnABusThatCannotKeepUp) {
+    SlowObserver slow;
+    BusServerOptions fast = options();
+    fast.bitrate = 1'000'000;
+    // Who is cut off repeats its frame for ever: there is something to do in each bit.
+    std::optional<sim::FaultInjector> injector;
+    start(fast, [&](sim::Bus& bus) {
+        injector.emplace(*sim::parse_fault_script("at 0s cut-off lonely"), fast.bitrate, bus.now());
+        bus.set_disturbance(&*injector);
+        bus.set_bit_observer(&slow);
+    });
+    const auto lonely = attach("lonely");
+    const auto sender = attach();
+    const auto receiver = attach();
+    ASSERT_TRUE(lonely && sender && receiver);
+    ASSERT_TRUE(std::holds_alternative<TransmitHandle>(lonely->send(Frame::standard(1, {}))));
+    TimePoint last{};
+    // A frame is 55 us long, and takes 5 ms of the machine's time.
+    const TimePoint end = monotonic_now() + 2500ms;
+    while (monotonic_now() < end) {
+        while (std::holds_alternative<TransmitHandle>(sender->send(Frame::standard(1, {})))) {
+        }
+        const auto report = request_bus_report(SimAddress{path()});
+        ASSERT_TRUE(report) << report.error();
+        EXPECT_EQ(report->nodes.size(), 3U);
+        EXPECT_LE(report->bus.time, monotonic_now());
+        const auto received = next<Received>(*receiver);
+        ASSERT_TRUE(received);
+        EXPECT_LE(received->time, monotonic_now());
+        EXPECT_GT(received->time, last);
+        last = received->time;
+        while (sender->poll()) {
+        }
+    }
+    EXPECT_THAT(server_->log(), HasSubstr("the bus cannot keep up with the clock: it has slipped"));
+    server_.reset();  // and it can be stopped
 }
 
 TEST_F(BusServerTest, ReportsAtItsEnd) {

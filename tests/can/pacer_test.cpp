@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <vector>
+
 #include "orb/can/sim/controller.hpp"
 #include "orb/can/sim/fault_injector.hpp"
 
@@ -95,6 +97,43 @@ TEST(Pacer, DoesNotWakeForEachBitOfAStuckBus) {
     EXPECT_LE(delays[0], 100us);
     EXPECT_EQ(delays[1], 0us);
     EXPECT_EQ(delays[2], 0us);
+}
+
+constexpr TimePoint at_once = TimePoint::min();  // a deadline that is over after the first step
+
+TEST(PacedClock, MovesABusToThePresent) {
+    sim::Bus bus{bitrate};
+    PacedClock clock;
+    EXPECT_TRUE(clock.advance(bus, TimePoint{100us}, at_once));
+    EXPECT_EQ(bus.now(), TimePoint{100us});
+    EXPECT_TRUE(clock.advance(bus, TimePoint{50us}, at_once));
+    EXPECT_EQ(bus.now(), TimePoint{100us}) << "never back";
+    // Where nothing happens there are no steps.
+    EXPECT_TRUE(clock.advance(bus, TimePoint{1h}, at_once));
+    EXPECT_EQ(bus.now(), TimePoint{1h});
+    EXPECT_FALSE(clock.slip(bus, TimePoint{1h}));
+    EXPECT_EQ(clock.slipped(), 0ns);
+    EXPECT_EQ(clock.machine_time(never), never);
+}
+
+TEST(PacedClock, GivesUpAtItsDeadlineAndSlips) {
+    sim::Bus bus{bitrate};
+    sim::FaultInjector injector{*sim::parse_fault_script("at 0s stuck-dominant wire"), bitrate};
+    bus.set_disturbance(&injector);
+    const sim::Controller node{bus};
+    PacedClock clock;
+    EXPECT_FALSE(clock.advance(bus, TimePoint{1s}, at_once));
+    EXPECT_EQ(bus.now(), TimePoint{200us});
+    EXPECT_FALSE(clock.slip(bus, TimePoint{1s + 200us})) << "a second may be caught up with";
+    EXPECT_TRUE(clock.slip(bus, TimePoint{1s + 201us}));
+    EXPECT_EQ(clock.slipped(), 1s + 1us);
+    EXPECT_EQ(clock.machine_time(bus.now()), TimePoint{1s + 201us});
+    EXPECT_EQ(bus.now(), TimePoint{200us}) << "nothing is left out";
+    // On from there, on the machine's clock.
+    EXPECT_TRUE(clock.advance(bus, TimePoint{1s + 301us}, at_once));
+    EXPECT_EQ(bus.now(), TimePoint{300us});
+    const ControllerEvent event = StateChanged{{}, bus.now()};
+    EXPECT_EQ(std::get<StateChanged>(clock.machine_time(event)).time, TimePoint{1s + 301us});
 }
 
 }  // namespace

@@ -30,6 +30,9 @@ constexpr Duration longest_stall = 100ms;
 /// Without descriptors left for new clients, the time until the next try.
 constexpr Duration accept_pause = 1s;
 constexpr Duration report_interval = 1s;
+/// So long the bus may be worked on until sockets, a stop and the status have their turn.
+constexpr Duration work_per_turn = 5ms;
+constexpr Duration complaint_interval = 10s;
 /// More than a well-behaved client has to say at once; a flooding one waits for its next turn.
 constexpr int packets_per_turn = 64;
 constexpr int max_accepted_in_a_row = 32;
@@ -45,11 +48,14 @@ struct Client {
     bool hung_up = false;  ///< there is no more to read
     bool gone = false;
     TimePoint last_request;
+    std::size_t waiting_requests = 0;  ///< read, but of a time that the bus has not reached
+    std::vector<sim::Packet> answer;   ///< to its wish for the status
+    std::size_t answered = 0;          ///< packets of it
 };
 
 struct Request {
-    TimePoint time;
-    std::size_t order;  ///< of reading, for equal times
+    TimePoint time;       ///< on the machine's clock
+    std::uint64_t order;  ///< of reading, for equal times
     Client* client;
     sim::ClientPacket packet;
 };
@@ -128,7 +134,7 @@ class BusServer::Server {
                 return "waiting for clients failed: " + error_text(error);
             }
             if (stop_requested()) {
-                if (options_.paced) bus_.advance(monotonic_now());
+                keep_pace(monotonic_now());
                 tell_report();
                 return {};
             }
@@ -137,12 +143,8 @@ class BusServer::Server {
             // read, because ppoll() tells only what had come before it returned.
             const TimePoint now = monotonic_now();
             for (auto& client : clients_) read_from(*client, now);
-            obey_requests();
-            if (options_.paced) {
-                bus_.advance(now);
-            } else if (!stalled()) {
-                bus_.advance_one();
-            }
+            keep_pace(now);
+            if (!options_.paced && !stalled()) bus_.advance_one();
             reporter_.sample();
             if (now >= next_report_) {
                 next_report_ += report_interval * (1 + (now - next_report_) / report_interval);
@@ -162,7 +164,9 @@ class BusServer::Server {
         for (const auto& client : clients_) {
             if (!client->gone && client->node) nodes.push_back(*client->node);
         }
-        return reporter_.report(nodes);
+        BusReport report = reporter_.report(nodes);
+        report.bus.time = clock_.machine_time(report.bus.time);
+        return report;
     }
 
     void tell_report() const {
@@ -177,18 +181,22 @@ class BusServer::Server {
     int wait() {
         descriptors_.clear();
         descriptors_.push_back({stop_.fd(), POLLIN, 0});
-        descriptors_.push_back({listener_.get(), static_cast<short>(accepting_ ? POLLIN : 0), 0});
+        const TimePoint begin = monotonic_now();
+        const bool accepting = begin >= accept_again_;
+        descriptors_.push_back({listener_.get(), static_cast<short>(accepting ? POLLIN : 0), 0});
         for (const auto& client : clients_) {
             const int events = client->writable_awaited ? POLLIN | POLLOUT : POLLIN;
             descriptors_.push_back({client->socket.get(), static_cast<short>(events), 0});
         }
         std::optional<Duration> timeout = time_to_next_step();
         if (next_report_ != never) {
-            const Duration to_report = std::max(next_report_ - monotonic_now(), Duration::zero());
+            const Duration to_report = std::max(next_report_ - begin, Duration::zero());
             timeout = std::min(timeout.value_or(to_report), to_report);
         }
-        if (!accepting_) timeout = std::min(timeout.value_or(accept_pause), accept_pause);
-        accepting_ = true;
+        if (!accepting) {
+            const Duration pause = accept_again_ - begin;
+            timeout = std::min(timeout.value_or(pause), pause);
+        }
         timespec time{};
         if (timeout) {
             time.tv_sec = static_cast<time_t>(timeout->count() / 1'000'000'000);
@@ -208,7 +216,8 @@ class BusServer::Server {
             if (!stall_ends_) return Duration::zero();
             return std::max(*stall_ends_ - monotonic_now(), Duration::zero());
         }
-        const TimePoint next = pacer_.wake_at(bus_);
+        if (behind_) return Duration::zero();
+        const TimePoint next = clock_.machine_time(pacer_.wake_at(bus_));
         if (next == never) return std::nullopt;
         return std::max(next - monotonic_now(), Duration::zero());
     }
@@ -243,7 +252,7 @@ class BusServer::Server {
                 if (errno == EINTR || errno == ECONNABORTED) continue;
                 if (errno != EAGAIN) {
                     log("cannot accept a client: " + error_text(errno));
-                    accepting_ = false;
+                    accept_again_ = monotonic_now() + accept_pause;
                 }
                 return;
             }
@@ -263,6 +272,7 @@ class BusServer::Server {
     }
 
     void read_from(Client& client, TimePoint now) {
+        if (client.waiting_requests > 0) return;  // so that what is read here stays bounded
         std::array<std::uint8_t, sim::max_packet_size> buffer;
         for (int i = 0; i < packets_per_turn && !client.gone; ++i) {
             std::size_t size = 0;
@@ -286,30 +296,56 @@ class BusServer::Server {
             const TimePoint asked =
                 std::visit([&](const auto& form) { return time_of(form, now); }, *packet);
             client.last_request = std::clamp(asked, std::min(client.last_request, now), now);
-            requests_.push_back(
-                {client.last_request, requests_.size(), &client, std::move(*packet)});
+            requests_.push_back({client.last_request, next_order_++, &client, std::move(*packet)});
+            ++client.waiting_requests;
         }
     }
 
-    static TimePoint time_of(const sim::Hello&, TimePoint now) { return now; }
+    /// Who comes, or wants to know how the bus is, need not wait until it has caught up.
+    TimePoint time_of(const sim::Hello&, TimePoint now) const {
+        return behind_ ? clock_.machine_time(bus_.now()) : now;
+    }
     template <typename Request>
-    static TimePoint time_of(const Request& request, TimePoint) {
+    TimePoint time_of(const Request& request, TimePoint) const {
         return request.time;
     }
 
-    void obey_requests() {
+    /// Does what was asked for, and moves a paced bus up to `now`; or part of it, when that takes
+    /// long.
+    void keep_pace(TimePoint now) {
+        const TimePoint deadline = monotonic_now() + work_per_turn;
+        behind_ = !obey_requests(deadline);
+        if (!options_.paced) return;
+        behind_ = behind_ || !clock_.advance(bus_, now, deadline);
+        if (!behind_ || !clock_.slip(bus_, now) || now < next_complaint_) return;
+        next_complaint_ = now + complaint_interval;
+        log("the bus cannot keep up with the clock: it has slipped " +
+            std::to_string(clock_.slipped() / 1ms) + " ms behind so far");
+    }
+
+    /// Whether all of them were; else the bus has not reached the others' time.
+    bool obey_requests(TimePoint deadline) {
         std::sort(requests_.begin(), requests_.end(), [](const Request& a, const Request& b) {
             return std::tie(a.time, a.order) < std::tie(b.time, b.order);
         });
-        for (const Request& request : requests_) {
-            if (request.client->gone) continue;
-            if (options_.paced) bus_.advance(request.time);
-            std::visit([&](const auto& form) { obey(*request.client, form); }, request.packet);
+        auto next = requests_.begin();
+        for (; next != requests_.end(); ++next) {
+            Client& client = *next->client;
+            if (options_.paced && !is_reached(next->time, deadline)) break;
+            --client.waiting_requests;
+            if (client.gone) continue;
+            std::visit([&](const auto& form) { obey(client, form); }, next->packet);
         }
-        requests_.clear();
+        requests_.erase(requests_.begin(), next);
         for (auto& client : clients_) {
-            if (client->hung_up && !client->gone) leave(*client);
+            if (client->hung_up && !client->gone && client->waiting_requests == 0) leave(*client);
         }
+        return requests_.empty();
+    }
+
+    bool is_reached(TimePoint time, TimePoint deadline) {
+        if (clock_.machine_time(bus_.now()) >= time) return true;
+        return monotonic_now() < deadline && clock_.advance(bus_, time, deadline);
     }
 
     void leave(Client& client) {
@@ -334,7 +370,7 @@ class BusServer::Server {
     }
 
     void obey(Client& client, const sim::Hello& hello) {
-        if (client.node) {
+        if (client.node || !client.answer.empty()) {
             throw_out(client, "said hello twice");
             return;
         }
@@ -359,8 +395,11 @@ class BusServer::Server {
         welcome.mailboxes = static_cast<std::uint16_t>(options_.controller.mailboxes);
         welcome.filter_list = static_cast<std::uint16_t>(options_.controller.filter_list);
         send_packet(client.socket, sim::encode(welcome));
-        if (hello.wish != sim::Hello::Wish::controller) {
-            if (hello.wish == sim::Hello::Wish::status) send_report(client);
+        if (hello.wish == sim::Hello::Wish::status) {
+            prepare_report(client);
+            return;
+        }
+        if (hello.wish == sim::Hello::Wish::query) {
             client.gone = true;
             return;
         }
@@ -371,11 +410,29 @@ class BusServer::Server {
         log(title(client) + " connected");
     }
 
-    /// What a socket takes at once is more than that of all nodes.
-    void send_report(const Client& client) const {
+    void prepare_report(Client& client) const {
         const BusReport told = report();
-        send_packet(client.socket, sim::encode(told.bus));
-        for (const auto& node : told.nodes) send_packet(client.socket, sim::encode(node));
+        client.answer.push_back(sim::encode(told.bus));
+        for (const auto& node : told.nodes) client.answer.push_back(sim::encode(node));
+    }
+
+    /// It goes when it has everything.
+    static void answer(Client& client) {
+        client.writable_awaited = false;
+        while (client.answered < client.answer.size()) {
+            switch (send_packet(client.socket, client.answer[client.answered])) {
+                case SendOutcome::sent:
+                    ++client.answered;
+                    break;
+                case SendOutcome::would_block:
+                    client.writable_awaited = true;
+                    return;
+                case SendOutcome::gone:
+                    client.gone = true;
+                    return;
+            }
+        }
+        client.gone = true;
     }
 
     void obey(Client& client, const sim::SendRequest& request) {
@@ -413,7 +470,9 @@ class BusServer::Server {
     }
 
     void write_to(Client& client) {
-        if (client.gone || !client.node) return;
+        if (client.gone) return;
+        if (!client.answer.empty()) answer(client);
+        if (!client.node) return;
         client.writable_awaited = false;
         while (true) {
             if (!client.held) client.held = bus_.poll(*client.node);
@@ -421,7 +480,8 @@ class BusServer::Server {
                 client.lagging = false;
                 return;
             }
-            switch (send_packet(client.socket, sim::encode(to_packet(*client.held)))) {
+            const auto packet = to_packet(clock_.machine_time(*client.held));
+            switch (send_packet(client.socket, sim::encode(packet))) {
                 case SendOutcome::sent:
                     client.held.reset();
                     break;
@@ -436,6 +496,7 @@ class BusServer::Server {
     }
 
     void remove_gone() {
+        std::erase_if(requests_, [](const Request& request) { return request.client->gone; });
         for (auto& client : clients_) {
             if (client->gone && client->node) bus_.detach(*client->node);
         }
@@ -449,12 +510,16 @@ class BusServer::Server {
     BusReporter reporter_;
     TimePoint next_report_;
     Pacer pacer_;
+    PacedClock clock_;  ///< stands still on an unpaced bus
+    bool behind_ = false;
+    TimePoint next_complaint_;
     Signal stop_;
     std::vector<std::unique_ptr<Client>> clients_;
-    std::vector<Request> requests_;  ///< of this turn
+    std::vector<Request> requests_;  ///< read, and still to be obeyed
+    std::uint64_t next_order_ = 0;
     std::vector<pollfd> descriptors_;
     std::optional<TimePoint> stall_ends_;
-    bool accepting_ = true;
+    TimePoint accept_again_;  ///< not before
 };
 
 Result<std::unique_ptr<BusServer>, std::string> BusServer::open(BusServerOptions options) {

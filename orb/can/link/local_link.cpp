@@ -1,5 +1,6 @@
 #include "orb/can/link/local_link.hpp"
 
+#include <algorithm>
 #include <condition_variable>
 #include <map>
 #include <mutex>
@@ -16,10 +17,15 @@ namespace canorb::can {
 namespace {
 
 constexpr std::uint32_t default_bitrate = 500'000;
+/// So long the bus is worked on at once: who uses it waits no longer.
+constexpr Duration work_at_once = std::chrono::milliseconds{2};
+/// And so long others have the mutex meanwhile.
+constexpr Duration pause_for_others = std::chrono::microseconds{100};
 
 class LocalController;
 
-/// Invariant: the bus is touched only under the mutex, and moved up to the present first.
+/// Invariant: the bus is touched only under the mutex, and moved up to the present first, or as far
+/// as it gets in a short time. What is asked of a bus that is behind happens at its own present.
 class LocalBus {
   public:
     explicit LocalBus(std::uint32_t bitrate)
@@ -42,17 +48,19 @@ class LocalBus {
     class Present {
       public:
         explicit Present(LocalBus& owner) : owner_(owner), lock_(owner.mutex_) {
-            owner_.bus_.advance(monotonic_now());
+            owner_.keep_pace();
         }
         ~Present() {
             owner_.wake_readers();
             // Only an event before the one the thread sleeps until is news to it.
-            if (owner_.bus_.next_event() < owner_.wake_at_) owner_.changed_.notify_one();
+            const TimePoint next = owner_.clock_.machine_time(owner_.bus_.next_event());
+            if (next < owner_.wake_at_) owner_.changed_.notify_one();
         }
         Present(const Present&) = delete;
         Present& operator=(const Present&) = delete;
 
         sim::Bus& bus() const { return owner_.bus_; }
+        const PacedClock& clock() const { return owner_.clock_; }
 
       private:
         LocalBus& owner_;
@@ -65,6 +73,7 @@ class LocalBus {
 
   private:
     void run();
+    bool keep_pace();
     void wake_readers();
 
     std::mutex mutex_;
@@ -72,6 +81,7 @@ class LocalBus {
     sim::Bus bus_;
     std::vector<LocalController*> controllers_;
     Pacer pacer_;
+    PacedClock clock_;
     TimePoint wake_at_ = never;
     bool stopping_ = false;
     std::thread thread_;  // the last member: it starts when all others are there
@@ -128,7 +138,8 @@ class LocalController final : public Controller {
             raised_ = false;
             readable_.clear();
         }
-        return event;
+        if (event) return present.clock().machine_time(*event);
+        return std::nullopt;
     }
     int event_fd() const override { return readable_.fd(); }
 
@@ -150,13 +161,22 @@ void LocalBus::wake_readers() {
     for (LocalController* controller : controllers_) controller->wake_reader();
 }
 
+/// Whether the bus is at the present moment.
+bool LocalBus::keep_pace() {
+    const TimePoint now = monotonic_now();
+    if (clock_.advance(bus_, now, now + work_at_once)) return true;
+    clock_.slip(bus_, now);
+    return false;
+}
+
 void LocalBus::run() {
     use_sharp_timers();
     std::unique_lock lock{mutex_};
     while (!stopping_) {
-        bus_.advance(monotonic_now());
+        const bool in_time = keep_pace();
         wake_readers();
-        wake_at_ = pacer_.wake_at(bus_);
+        wake_at_ = clock_.machine_time(pacer_.wake_at(bus_));
+        if (!in_time) wake_at_ = std::max(wake_at_, monotonic_now() + pause_for_others);
         if (wake_at_ == never) {
             changed_.wait(lock);
         } else {
