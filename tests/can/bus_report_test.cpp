@@ -115,6 +115,29 @@ TEST_F(BusReports, KnowTheLastSecondAfterALongRest) {
     EXPECT_EQ(report().bus.busy_bits, busy);
 }
 
+// At rates whose bit time is no whole number of nanoseconds, too.
+TEST_F(BusReports, AreNeverBusierThanTheyAreOld) {
+    for (const std::uint32_t bitrate : {300'000U, 333'333U, 123'457U, 999'983U, 5'000U}) {
+        sim::Bus bus{bitrate, start_};
+        BusReporter reporter{bus};
+        sim::Controller sender{bus};
+        const sim::Controller receiver{bus};
+        for (int frame = 0; frame < 3; ++frame) {
+            ASSERT_TRUE(std::holds_alternative<TransmitHandle>(sender.send(frame_)));
+        }
+        const TimePoint end = start_ + 118 * 3 * Duration{1s} / bitrate;
+        while (bus.now() < end) {
+            bus.advance(bus.now() + 777ns);
+            reporter.sample();
+            const BusReport report = reporter.report({});
+            ASSERT_LE(report.bus.busy_bits, report.bus.bits) << bitrate;
+            ASSERT_LE(report.bus.recent_busy_bits, report.bus.recent_bits) << bitrate;
+            ASSERT_GE(report.bus.busy_bits + 1, report.bus.bits) << bitrate;
+        }
+        EXPECT_EQ(reporter.report({}).bus.busy_bits, 354U);
+    }
+}
+
 // The second begins in the middle of what went before, long ago.
 TEST_F(BusReports, KnowWhereASecondBeganThatNobodySampled) {
     advance_to(10s);

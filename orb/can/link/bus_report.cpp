@@ -15,6 +15,11 @@ BusReporter::BusReporter(const sim::Bus& bus) : bus_(bus), start_(bus.now()) {
     samples_.push_back(present());
 }
 
+BusReporter::Sample BusReporter::present() const {
+    const sim::BusStatistics statistics = bus_.statistics();
+    return {bus_.now(), statistics.elapsed_bits, statistics.busy_bits};
+}
+
 void BusReporter::sample() {
     const Sample now = present();
     const std::size_t count = samples_.size();
@@ -28,35 +33,34 @@ void BusReporter::sample() {
     while (samples_.size() >= 2 && samples_[1].time <= now.time - window) samples_.pop_front();
 }
 
-/// `time` is not before the first sample.
-std::uint64_t BusReporter::busy_bits_until(TimePoint time) const {
+/// The bits that were over at `time`, which is not before the first sample.
+BusReporter::Sample BusReporter::sample_at(TimePoint time) const {
     const auto after = std::find_if(samples_.begin(), samples_.end(),
                                     [&](const Sample& sample) { return sample.time > time; });
     const Sample next = after == samples_.end() ? present() : *after;
     const Sample& last = *(after - 1);
-    if (next.time == last.time) return last.busy_bits;
+    if (next.time == last.time) return last;
     const auto part = static_cast<double>((time - last.time).count()) /
                       static_cast<double>((next.time - last.time).count());
-    return last.busy_bits +
-           static_cast<std::uint64_t>(static_cast<double>(next.busy_bits - last.busy_bits) * part);
-}
-
-std::uint64_t BusReporter::bits_within(Duration duration) const {
-    const auto seconds = static_cast<std::uint64_t>(duration / std::chrono::seconds{1});
-    const auto rest = static_cast<std::uint64_t>((duration % std::chrono::seconds{1}).count());
-    return seconds * bus_.bitrate() + rest * bus_.bitrate() / 1'000'000'000U;
+    const auto between = [part](std::uint64_t from, std::uint64_t to) {
+        return from + static_cast<std::uint64_t>(static_cast<double>(to - from) * part);
+    };
+    // Rounded the same way, so that no bits are busy that are not over.
+    const std::uint64_t idle_bits = between(last.bits - last.busy_bits, next.bits - next.busy_bits);
+    const std::uint64_t busy_bits = between(last.busy_bits, next.busy_bits);
+    return {time, idle_bits + busy_bits, busy_bits};
 }
 
 BusReport BusReporter::report(std::span<const sim::NodeIndex> nodes) const {
     const sim::BusStatistics statistics = bus_.statistics();
-    const TimePoint recent = std::max(start_, bus_.now() - window);
+    const Sample recent = sample_at(std::max(start_, bus_.now() - window));
     BusReport report;
     report.bitrate = bus_.bitrate();
     report.bus.time = bus_.now();
-    report.bus.bits = bits_within(bus_.now() - start_);
+    report.bus.bits = statistics.elapsed_bits;
     report.bus.busy_bits = statistics.busy_bits;
-    report.bus.recent_bits = bits_within(bus_.now() - recent);
-    report.bus.recent_busy_bits = statistics.busy_bits - busy_bits_until(recent);
+    report.bus.recent_bits = statistics.elapsed_bits - recent.bits;
+    report.bus.recent_busy_bits = statistics.busy_bits - recent.busy_bits;
     report.bus.frames = statistics.frames;
     report.bus.error_frames = statistics.error_frames;
     report.bus.nodes = static_cast<std::uint16_t>(nodes.size());

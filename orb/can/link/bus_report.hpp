@@ -35,12 +35,12 @@ class BusReporter {
   private:
     struct Sample {
         TimePoint time;
+        std::uint64_t bits = 0;
         std::uint64_t busy_bits = 0;
     };
 
-    Sample present() const { return {bus_.now(), bus_.statistics().busy_bits}; }
-    std::uint64_t busy_bits_until(TimePoint time) const;
-    std::uint64_t bits_within(Duration duration) const;
+    Sample present() const;
+    Sample sample_at(TimePoint time) const;
 
     const sim::Bus& bus_;
     TimePoint start_;
