@@ -10,6 +10,7 @@
 #include "orb/can/candump.hpp"
 #include "orb/can/frame_length.hpp"
 #include "orb/can/sim/controller.hpp"
+#include "orb/can/sim/fault_script.hpp"
 
 namespace canorb::tools {
 namespace {
@@ -88,72 +89,23 @@ std::string frame_text(const Frame& frame) {
     return line.substr(line.rfind(' ') + 1);
 }
 
-/// As fault scripts name it.
-std::string place_text(can::FramePosition position) {
-    using can::FrameField;
-    const auto numbered = [&](const char* field, int first = 1) {
-        return field + ('.' + std::to_string(first + position.index));
-    };
-    const auto place = [&]() -> std::string {
-        switch (position.field) {
-            case FrameField::start_of_frame:
-                return "sof";
-            case FrameField::identifier:
-                return numbered("id");
-            case FrameField::remote_request:
-            case FrameField::extended_remote_request:
-                return "rtr";
-            case FrameField::identifier_extension:
-                return "ide";
-            case FrameField::extended_identifier:
-                return numbered("id", 12);
-            case FrameField::reserved_1:
-                return "r1";
-            case FrameField::reserved_0:
-                return "r0";
-            case FrameField::data_length_code:
-                return numbered("dlc");
-            case FrameField::data:
-                return numbered("data");
-            case FrameField::crc:
-                return numbered("crc");
-            case FrameField::crc_delimiter:
-                return "crc-delimiter";
-            case FrameField::ack_slot:
-                return "ack";
-            case FrameField::ack_delimiter:
-                return "ack-delimiter";
-            case FrameField::end_of_frame:
-                return numbered("eof");
-            case FrameField::intermission:
-                return numbered("intermission");
-            case FrameField::suspend_transmission:
-                return numbered("suspend");
-            case FrameField::active_error_flag:
-                return numbered("active-error-flag");
-            case FrameField::passive_error_flag:
-                return numbered("passive-error-flag");
-            case FrameField::error_superposition:
-                return "error-superposition";
-            case FrameField::error_delimiter:
-                return numbered("error-delimiter");
-            case FrameField::overload_flag:
-                return numbered("overload-flag");
-            case FrameField::overload_delimiter:
-                return numbered("overload-delimiter");
-            case FrameField::idle:
-                return "idle";
-        }
-        return "?";
-    };
-    return (position.stuff ? "the stuff bit after " : "") + place();
-}
+/// Which kinds of frame a node may have lost the 12th bit with, where both send recessive.
+struct Losers {
+    bool standard_remote = false;
+    bool extended = false;
+
+    void add(const Frame& frame) {
+        extended = extended || frame.extended;
+        standard_remote = standard_remote || (frame.remote && !frame.extended);
+    }
+};
 
 /// The bit of its frame at which a node lost the arbitration, from the number that an SJA1000 has
 /// for it.
-std::string lost_place(std::uint8_t at, bool extended) {
+std::string lost_place(std::uint8_t at, Losers losers) {
     if (at <= 10) return "id." + std::to_string(at + 1);
-    if (at == 11) return extended ? "srr" : "rtr";
+    if (at == 11 && losers.standard_remote == losers.extended) return "rtr/srr";
+    if (at == 11) return losers.extended ? "srr" : "rtr";
     if (at == 12) return "ide";
     if (at <= 30) return "id." + std::to_string(at - 1);
     return "rtr";
@@ -226,8 +178,9 @@ class Player {
     struct Node {
         std::string name;
         std::unique_ptr<can::sim::Controller> controller;
-        std::vector<Pending> pending;  ///< sent, without a result so far
-        std::uint64_t lost_arbitrations = 0;
+        std::vector<Pending> pending;         ///< sent, without a result so far
+        std::uint64_t lost_arbitrations = 0;  ///< that were told
+        Losers losers{};                      ///< all that may have lost one since
     };
     template <typename Event>
     struct Told {
@@ -250,7 +203,7 @@ class Player {
         node_options.name = name;
         auto controller = std::make_unique<can::sim::Controller>(bus_, node_options);
         (void)controller->set_filters(all_frames);
-        nodes_.push_back({name, std::move(controller), {}, 0});
+        nodes_.push_back({name, std::move(controller), {}});
         name_width_ = std::max(name_width_, name.size());
     }
 
@@ -269,6 +222,7 @@ class Player {
             const can::SendResult result = node.controller->send(line.frame);
             if (const auto* handle = std::get_if<can::TransmitHandle>(&result)) {
                 node.pending.push_back({*handle, line.frame});
+                node.losers.add(line.frame);
             } else {
                 const bool full = std::get<can::SendError>(result) == can::SendError::full;
                 tell(bus_.now(), node.name, line.frame,
@@ -305,6 +259,15 @@ class Player {
         received_.clear();
         changes_.clear();
         ended_.clear();
+        for (Node& node : nodes_) forget_losers(node);
+    }
+
+    /// Those whose losses, if any, were told.
+    void forget_losers(Node& node) const {
+        const auto statistics = bus_.statistics(node.controller->node());
+        if (statistics.lost_arbitrations != node.lost_arbitrations) return;
+        node.losers = {};
+        for (const Pending& pending : node.pending) node.losers.add(pending.frame);
     }
 
     static Frame take_pending(Node& node, can::TransmitHandle handle) {
@@ -370,29 +333,21 @@ class Player {
     std::string losers_text() {
         std::string text;
         for (Node& node : nodes_) {
-            const auto& statistics = bus_.statistics(node.controller->node());
+            const auto statistics = bus_.statistics(node.controller->node());
             if (statistics.lost_arbitrations == node.lost_arbitrations) continue;
             node.lost_arbitrations = statistics.lost_arbitrations;
             text += "; " + node.name + " lost the arbitration at " +
-                    lost_place(statistics.arbitration_lost_at.value_or(0), sends_extended(node));
+                    lost_place(statistics.arbitration_lost_at.value_or(0), node.losers);
         }
         return text;
-    }
-
-    /// The frame that it tries to send next.
-    static bool sends_extended(const Node& node) {
-        const auto lowest = std::min_element(
-            node.pending.begin(), node.pending.end(), [](const Pending& a, const Pending& b) {
-                return can::arbitration_field(a.frame) < can::arbitration_field(b.frame);
-            });
-        return lowest != node.pending.end() && lowest->frame.extended;
     }
 
     void tell_error(const can::sim::NodeError& error) {
         const bool silent = error.status.state == can::ControllerState::bus_off;
         tell(error.time, bus_.name(error.node),
              std::string{can::sim::name(error.capture.kind)} + " at " +
-                 place_text(error.capture.position) +
+                 (error.capture.position.stuff ? "the stuff bit after " : "") +
+                 can::sim::place_name(error.capture.position) +
                  (error.capture.transmitting ? ", sending" : ", receiving") +
                  (silent              ? ", no flag, "
                   : error.active_flag ? ", active flag, "

@@ -371,5 +371,38 @@ TEST(FaultScript, TakesTheDocumentation) {
     EXPECT_GE(scripts, 5);
 }
 
+TEST(FaultScript, NamesPlacesAsItReadsThem) {
+    using F = FrameField;
+    for (const auto& [position, name] : std::vector<std::pair<FramePosition, std::string>>{
+             {{F::start_of_frame, 0}, "sof"},
+             {{F::identifier, 0}, "id.1"},
+             {{F::identifier, 10}, "id.11"},
+             {{F::remote_request, 0}, "rtr"},
+             {{F::identifier_extension, 0}, "ide"},
+             {{F::extended_identifier, 0}, "id.12"},
+             {{F::extended_identifier, 17}, "id.29"},
+             {{F::extended_remote_request, 0}, "rtr"},
+             {{F::reserved_1, 0}, "r1"},
+             {{F::reserved_0, 0}, "r0"},
+             {{F::data_length_code, 3}, "dlc.4"},
+             {{F::data, 63}, "data.64"},
+             {{F::data, 7, true}, "data.8"},
+             {{F::crc, 14}, "crc.15"},
+             {{F::crc_delimiter, 0}, "crc-delimiter"},
+             {{F::ack_slot, 0}, "ack"},
+             {{F::ack_delimiter, 0}, "ack-delimiter"},
+             {{F::end_of_frame, 6}, "eof.7"},
+             {{F::intermission, 2}, "intermission.3"},
+         }) {
+        EXPECT_EQ(place_name(position), name);
+        EXPECT_TRUE(parse_fault_script("frame at " + name + " flip wire")) << name;
+    }
+    EXPECT_EQ(place_name({F::suspend_transmission, 7}), "suspend.8");
+    EXPECT_EQ(place_name({F::active_error_flag, 0}), "active-error-flag.1");
+    EXPECT_EQ(place_name({F::error_superposition, 2}), "error-superposition");
+    EXPECT_EQ(place_name({F::overload_delimiter, 1}), "overload-delimiter.2");
+    EXPECT_EQ(place_name({}), "idle");
+}
+
 }  // namespace
 }  // namespace canorb::can::sim

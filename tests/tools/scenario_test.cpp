@@ -133,6 +133,21 @@ TEST(Play, TellsWhoLostAnArbitration) {
         "  0.000554  valve   555#55                received by pump-3, a\n");
 }
 
+// RTR of a standard remote frame and SRR of an extended one are both the 12th bit after SOF: a
+// node that has both may have lost with either.
+TEST(Play, NamesThe12thBitWhereItKnowsWithWhichFrameANodeLost) {
+    const auto place = [](const std::string& loser) {
+        const std::string told = events("(0.000100) a 123#\n" + loser);
+        const std::size_t at = told.find(" lost the arbitration at ");
+        if (at == std::string::npos) return told;
+        return told.substr(at + 25, told.find('\n') - at - 25);
+    };
+    EXPECT_EQ(place("(0.000100) b 123#R\n"), "rtr");
+    EXPECT_EQ(place("(0.000100) b 048C0000#\n"), "srr");
+    EXPECT_EQ(place("(0.000100) b 048C0000#\n(0.000100) b 555#\n"), "srr");
+    EXPECT_EQ(place("(0.000100) b 123#R\n(0.000110) b 048C0000#\n"), "rtr/srr");
+}
+
 TEST(Play, TellsOfTwoNodesThatSendOneFrame) {
     EXPECT_EQ(events("(0.000000) a 123#DEADBEEF00000000\n"
                      "(0.000000) b 123#DEADBEEF00000000\n",

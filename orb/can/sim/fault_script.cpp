@@ -397,6 +397,69 @@ Duration FaultTime::at(std::uint32_t bitrate) const {
     return Duration{static_cast<Duration::rep>(nanoseconds)};
 }
 
+std::string place_name(FramePosition position) {
+    using Field = FramePlace::Field;
+    const auto numbered = [&](std::string_view text, unsigned first = 1) {
+        return std::string{text} + '.' + std::to_string(first + position.index);
+    };
+    const auto in_script = [&](Field field, unsigned first = 1) {
+        const PlaceName& place =
+            *std::find_if(places.begin(), places.end(),
+                          [&](const PlaceName& each) { return each.field == field; });
+        return place.numbers > 0 ? numbered(place.text, first) : std::string{place.text};
+    };
+    switch (position.field) {
+        case FrameField::start_of_frame:
+            return in_script(Field::start_of_frame);
+        case FrameField::identifier:
+            return in_script(Field::identifier);
+        case FrameField::remote_request:
+        case FrameField::extended_remote_request:
+            return in_script(Field::remote_request);
+        case FrameField::identifier_extension:
+            return in_script(Field::identifier_extension);
+        case FrameField::extended_identifier:
+            return in_script(Field::identifier, 12);
+        case FrameField::reserved_1:
+            return in_script(Field::reserved_1);
+        case FrameField::reserved_0:
+            return in_script(Field::reserved_0);
+        case FrameField::data_length_code:
+            return in_script(Field::data_length_code);
+        case FrameField::data:
+            return in_script(Field::data);
+        case FrameField::crc:
+            return in_script(Field::crc);
+        case FrameField::crc_delimiter:
+            return in_script(Field::crc_delimiter);
+        case FrameField::ack_slot:
+            return in_script(Field::ack_slot);
+        case FrameField::ack_delimiter:
+            return in_script(Field::ack_delimiter);
+        case FrameField::end_of_frame:
+            return in_script(Field::end_of_frame);
+        case FrameField::intermission:
+            return in_script(Field::intermission);
+        case FrameField::suspend_transmission:
+            return numbered("suspend");
+        case FrameField::active_error_flag:
+            return numbered("active-error-flag");
+        case FrameField::passive_error_flag:
+            return numbered("passive-error-flag");
+        case FrameField::error_superposition:
+            return "error-superposition";
+        case FrameField::error_delimiter:
+            return numbered("error-delimiter");
+        case FrameField::overload_flag:
+            return numbered("overload-flag");
+        case FrameField::overload_delimiter:
+            return numbered("overload-delimiter");
+        case FrameField::idle:
+            return "idle";
+    }
+    return "?";
+}
+
 std::string format(const FaultScriptError& error) {
     return std::to_string(error.line) + ":" + std::to_string(error.column) + ": " + error.message;
 }

@@ -10,6 +10,7 @@
 
 #include "orb/base/result.hpp"
 #include "orb/base/time.hpp"
+#include "orb/can/frame_field.hpp"
 
 namespace canorb::can::sim {
 
@@ -68,6 +69,10 @@ struct FramePlace {
     Field field = Field::start_of_frame;
     std::uint16_t number = 1;
 };
+
+/// As a script writes the place, "data.3" for example; in the same manner where a script has no
+/// word for it, as in error frames. A stuff bit is named as the bit before it.
+std::string place_name(FramePosition position);
 
 /// At a moment since the start of the bus: in the bit in which it is.
 struct AtTime {
