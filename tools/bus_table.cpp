@@ -5,6 +5,8 @@
 #include <cstdio>
 #include <vector>
 
+#include "orb/base/counted.hpp"
+
 namespace canorb::tools {
 namespace {
 
@@ -25,10 +27,6 @@ std::string seconds(std::uint64_t bits, std::uint32_t bitrate) {
                   static_cast<unsigned long long>(bits / bitrate),
                   static_cast<unsigned long long>(bits % bitrate * 1'000'000 / bitrate));
     return text.data();
-}
-
-std::string counted(std::uint64_t count, const std::string& thing) {
-    return std::to_string(count) + ' ' + thing + (count == 1 ? "" : "s");
 }
 
 /// Names and states to the left, numbers to the right.

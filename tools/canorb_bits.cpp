@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "orb/base/counted.hpp"
 #include "orb/base/result.hpp"
 #include "orb/can/candump.hpp"
 #include "orb/can/frame_bits.hpp"
@@ -33,10 +34,6 @@ std::string hex(std::uint32_t value, int digits) {
     std::array<char, 16> text;
     std::snprintf(text.data(), text.size(), "0x%0*X", digits, value);
     return text.data();
-}
-
-std::string counted(std::size_t count, std::string_view thing) {
-    return std::to_string(count) + ' ' + std::string{thing} + (count == 1 ? "" : "s");
 }
 
 Result<can::Frame, std::string> parse_frame(std::string_view text) {

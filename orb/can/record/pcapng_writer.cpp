@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "orb/base/counted.hpp"
 #include "orb/can/sim/error_capture.hpp"
 
 namespace canorb::can {
@@ -134,10 +135,6 @@ std::string packet_of(std::uint32_t id_and_flags, std::uint8_t length, Bytes dat
     return packet;
 }
 
-std::string counted(std::uint32_t count, std::string_view thing) {
-    return std::to_string(count) + ' ' + std::string{thing} + (count == 1 ? "" : "s");
-}
-
 std::string name_or_number(std::string_view name, sim::NodeIndex node) {
     if (!name.empty()) return std::string{name};
     return "node " + std::to_string(static_cast<unsigned>(node));
@@ -186,7 +183,10 @@ std::string comment_of(const sim::NodeError& error, std::string_view node) {
         comment += " bit " + std::to_string(capture.position.index + 1);
     }
     if (capture.position.stuff) comment += ", the stuff bit after it";
-    comment += error.active_flag ? "; active error flag; then " : "; passive error flag; then ";
+    const bool silent = error.status.state == ControllerState::bus_off;  // from this error on
+    comment += silent              ? "; no error flag; then "
+               : error.active_flag ? "; active error flag; then "
+                                   : "; passive error flag; then ";
     comment += name(error.status.state);
     comment += ", TEC " + std::to_string(error.status.tec);
     comment += ", REC " + std::to_string(error.status.rec);
