@@ -19,7 +19,6 @@ class RecordFile {
     /// Makes the file, or empties it. The error is a sentence for people.
     static Result<RecordFile, std::string> create(const std::string& path);
 
-    /// Without room on the disk, for example, there is an error(); from then on everything is lost.
     RecordFile(RecordFile&&) = default;
     RecordFile& operator=(RecordFile&&) = delete;
     ~RecordFile();
@@ -34,7 +33,8 @@ class RecordFile {
 
     bool seekable() const { return seekable_; }
 
-    /// What went wrong first, a sentence for people; empty when nothing did.
+    /// What went wrong first, a sentence for people; empty when nothing did. From then on, without
+    /// room on the disk for example, everything is lost.
     const std::string& error() const { return error_; }
 
   private:

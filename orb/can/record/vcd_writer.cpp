@@ -107,7 +107,6 @@ void VcdWriter::write_header(const VcdOptions& options) {
         return lines;
     };
     std::string header;
-    if (!options.date.empty()) header += "$date " + without_keywords(options.date) + " $end\n";
     header += "$version canorb $end\n";
     if (!options.comment.empty()) {
         header += "$comment " + without_keywords(options.comment) + " $end\n";

@@ -18,9 +18,8 @@ namespace canorb::can {
 
 struct VcdOptions {
     TimePoint start{};       ///< the file's time 0
-    std::string date{};      ///< for $date; the file has no other trace of the wall clock
     std::string comment{};   ///< for $comment, for example the bit rate
-    std::size_t room = 128;  ///< nodes that can have lines, 150 octets of the file each
+    std::size_t room = 128;  ///< names of nodes that can have lines, 150 octets of the file each
 };
 
 /// Writes what a simulated bus and its nodes do as a Value Change Dump (IEEE 1364-2005, clause 18)
@@ -33,7 +32,8 @@ struct VcdOptions {
 ///
 /// NAME is the node's name with every character that is neither letter nor digit as '_', and a
 /// number at its end where two nodes have the same one. A node that comes back under the name of
-/// one that has gone has its wires again.
+/// one that has gone has its wires again; those of another name it cannot have, for what is in the
+/// file would be its own then. So there is room for a number of different names.
 ///
 ///     auto vcd = VcdWriter::create("bus.vcd");
 ///     bus.set_bit_observer(vcd->get());

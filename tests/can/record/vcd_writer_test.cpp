@@ -71,7 +71,7 @@ TEST_F(VcdWriterTest, HasTheBusAlone) {
 }
 
 TEST_F(VcdWriterTest, WritesWhatChanges) {
-    open({.date = "22 November 2025", .comment = "500000 bit/s"});
+    open({.comment = "500000 bit/s"});
     writer_->node_attached(NodeIndex{0}, "pump");
     writer_->node_attached(NodeIndex{1}, "valve");
     bit(10'000, 0, {0, 1}, {0, 0});  // SOF of the pump
@@ -81,7 +81,6 @@ TEST_F(VcdWriterTest, WritesWhatChanges) {
     bit(18'000, 1, {1, 1}, {1, 1});
     bit(20'000, 1, {1, 1}, {1, 1});
     EXPECT_EQ(text(),
-              "$date 22 November 2025 $end\n"
               "$version canorb $end\n"
               "$comment 500000 bit/s $end\n"
               "$timescale 1 ns $end\n"
@@ -157,9 +156,8 @@ TEST_F(VcdWriterTest, MakesNamesLegalAndUnique) {
 }
 
 TEST_F(VcdWriterTest, ACommentDoesNotEndItself) {
-    open({.date = "$end", .comment = "a $end $var wire 1 A x $end"});
-    EXPECT_THAT(text(), StartsWith("$date _end $end\n"
-                                   "$version canorb $end\n"
+    open({.comment = "a $end $var wire 1 A x $end"});
+    EXPECT_THAT(text(), StartsWith("$version canorb $end\n"
                                    "$comment a _end _var wire 1 A x _end $end\n"
                                    "$timescale 1 ns $end\n"));
 }
