@@ -3,6 +3,8 @@
 // processes of their own.
 //
 //     daemon_pacing [SECONDS]
+//
+// It ignores options of Google Benchmark, which ./run bench gives to all benchmarks.
 
 #include <poll.h>
 #include <signal.h>
@@ -10,11 +12,15 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <thread>
 #include <vector>
 
@@ -90,7 +96,8 @@ double percent(std::uint64_t part, std::uint64_t whole) {
     return whole == 0 ? 0.0 : 100.0 * static_cast<double>(part) / static_cast<double>(whole);
 }
 
-void measure(std::uint8_t octets, Duration length) {
+/// Whether there was something to measure.
+bool measure(std::uint8_t octets, Duration length) {
     Frame frame;
     frame.id = 0x123;
     frame.length = octets;
@@ -100,14 +107,14 @@ void measure(std::uint8_t octets, Duration length) {
     const Child daemon{[&] { serve(address); }};
     const auto receiver = attach(address, "receiver");
     const std::array<Filter, 1> all{Filter{}};
-    if (!receiver->set_filters(all)) return;
+    if (!receiver->set_filters(all)) return false;
     const Child sender{[&] { saturate(address, frame); }};
 
     std::vector<Duration> delays;
     std::uint64_t lost = 0;
     const TimePoint begin = monotonic_now() + 200ms;  // the sender is at work by then
     const auto start = [&] { return request_bus_report(address); };
-    Result<BusReport, std::string> first = start();
+    auto first = start();
     bool measuring = false;
     while (monotonic_now() < begin + length) {
         wait_for(*receiver, 100);
@@ -127,8 +134,11 @@ void measure(std::uint8_t octets, Duration length) {
     const auto last = start();
     ::unlink(address.path.c_str());
     if (!first || !last || delays.empty()) {
-        std::printf("no frames: %s\n", last ? "" : last.error().c_str());
-        return;
+        const std::string reason = !first ? first.error().reason
+                                   : last ? "none came"
+                                          : last.error().reason;
+        std::fprintf(stderr, "daemon_pacing: no frames: %s\n", reason.c_str());
+        return false;
     }
     std::sort(delays.begin(), delays.end());
     const auto at = [&](double part) {
@@ -143,14 +153,37 @@ void measure(std::uint8_t octets, Duration length) {
         octets, frame_length(frame),
         percent(to.bus.busy_bits - from.bus.busy_bits, to.bus.bits - from.bus.bits), at(0.5),
         at(0.9), at(0.99), at(1.0), delays.size(), static_cast<unsigned long long>(lost));
+    return true;
+}
+
+/// Nothing where it is no whole number of seconds, from 1 to 3600.
+std::optional<int> parse_seconds(std::string_view text) {
+    int seconds = 0;
+    const auto end = text.data() + text.size();
+    const auto parsed = std::from_chars(text.data(), end, seconds);
+    if (parsed.ec != std::errc{} || parsed.ptr != end || seconds < 1 || seconds > 3600) {
+        return std::nullopt;
+    }
+    return seconds;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    const int seconds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 5;
-    for (const std::uint8_t octets : {std::uint8_t{8}, std::uint8_t{0}}) {
-        measure(octets, std::chrono::seconds{seconds});
+    int seconds = 5;
+    for (int i = 1; i < argc; ++i) {
+        const std::string_view argument{argv[i]};
+        if (argument.starts_with("--benchmark_")) continue;
+        const auto parsed = parse_seconds(argument);
+        if (!parsed) {
+            std::fprintf(stderr, "usage: daemon_pacing [SECONDS], not %s\n", argv[i]);
+            return 2;
+        }
+        seconds = *parsed;
     }
-    return 0;
+    bool measured = true;
+    for (const std::uint8_t octets : {std::uint8_t{8}, std::uint8_t{0}}) {
+        measured = measure(octets, std::chrono::seconds{seconds}) && measured;
+    }
+    return measured ? 0 : 1;
 }

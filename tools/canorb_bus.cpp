@@ -1,6 +1,8 @@
 // canorb-bus: a simulated CAN bus for the programs of this machine, behind a Unix socket; or one in
 // virtual time, that plays a scenario.
 
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <array>
 #include <cerrno>
@@ -8,6 +10,7 @@
 #include <csignal>
 #include <cstdio>
 #include <ctime>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -21,6 +24,7 @@
 #include "orb/can/sim/fault_injector.hpp"
 #include "orb/can/sim/fault_script.hpp"
 #include "tools/bus_table.hpp"
+#include "tools/patient_output.hpp"
 #include "tools/recordings.hpp"
 #include "tools/scenario.hpp"
 
@@ -30,6 +34,8 @@ using namespace canorb;
 
 constexpr int failure = 1;
 constexpr int usage_error = 2;
+/// At its end, for a reader of its output.
+constexpr Duration last_patience = std::chrono::milliseconds{500};
 
 struct Arguments {
     std::string listen{can::default_bus_address()};
@@ -51,9 +57,9 @@ void say(const std::string& sentence) {
     std::fprintf(stderr, "canorb-bus: %s\n", sentence.c_str());
 }
 
-int fail(const std::string& reason) {
+int fail(const std::string& reason, int exit_code = failure) {
     say(reason);
-    return failure;
+    return exit_code;
 }
 
 /// Everything that is on standard output so far is to be seen.
@@ -117,41 +123,47 @@ Result<can::sim::FaultScript, int> load_faults(const std::string& path) {
 }
 
 /// What of a script had no effect may be a mistake in it.
-void tell_unused(const std::string& path, const can::sim::FaultInjector& injector) {
+void tell_unused(const std::string& path, const can::sim::FaultInjector& injector,
+                 const std::function<void(const std::string&)>& tell) {
     for (const can::sim::Fault* fault : injector.unused()) {
-        say(path + ":" + std::to_string(fault->line) + ": this fault never acted");
+        tell(path + ":" + std::to_string(fault->line) + ": this fault never acted");
     }
     for (const std::string& name : injector.absent_names()) {
-        say(path + ": no node was called \"" + name + "\"");
+        tell(path + ": no node was called \"" + name + "\"");
     }
 }
 
 int serve(const Arguments& arguments, const can::SimAddress& address, std::uint32_t bitrate) {
     auto script = load_faults(arguments.fault_file);
     if (!script) return script.error();
-    std::unique_ptr<tools::Recordings> recordings;
+    tools::PatientOutput status{STDOUT_FILENO, "canorb-bus"};
+    tools::PatientOutput messages{STDERR_FILENO, "canorb-bus"};
+    const auto tell = [&](std::string_view sentence) {
+        messages.write("canorb-bus: " + std::string{sentence} + '\n');
+    };
+    // It outlives the bus, which is in the server.
+    std::optional<can::sim::FaultInjector> injector;
+    std::unique_ptr<can::BusServer> server;
+    std::unique_ptr<tools::Recordings> recordings;  // takes itself from the bus
     can::BusServerOptions options;
     options.path = address.path;
     options.bitrate = bitrate;
     options.paced = !arguments.unpaced;
     options.controller.automatic_recovery = arguments.recover_automatically;
-    if (!arguments.quiet) {
-        options.log = [](std::string_view sentence) { say(std::string{sentence}); };
-    }
-    if (arguments.status || arguments.recordings.any()) {
-        options.report = [&](const can::BusReport& report) {
-            if (arguments.status) print(tools::bus_table(report) + '\n');
-            recordings->flush();
-        };
-    }
-    const auto opened = can::BusServer::open(std::move(options));
+    if (!arguments.quiet) options.log = tell;
+    options.report = [&](const can::BusReport& report) {
+        if (arguments.status) status.write(tools::bus_table(report) + '\n');
+        messages.flush();
+        recordings->flush();
+    };
+    auto opened = can::BusServer::open(std::move(options));
     if (!opened) return fail(opened.error());
-    can::BusServer& server = **opened;
-    can::sim::Bus& bus = server.bus();
-    can::sim::FaultInjector injector{std::move(*script), bitrate, bus.now()};
-    if (!arguments.fault_file.empty()) bus.set_disturbance(&injector);
+    server = std::move(*opened);
+    can::sim::Bus& bus = server->bus();
+    injector.emplace(std::move(*script), bitrate, bus.now());
+    if (!arguments.fault_file.empty()) bus.set_disturbance(&*injector);
     // Only now: a daemon that is refused must not empty the files of the one that runs.
-    auto started = tools::Recordings::start(bus, arguments.recordings, unix_time_offset(), say);
+    auto started = tools::Recordings::start(bus, arguments.recordings, unix_time_offset(), tell);
     if (!started) return fail(started.error());
     recordings = std::move(*started);
     if (arguments.recordings.any()) {
@@ -163,23 +175,22 @@ int serve(const Arguments& arguments, const can::SimAddress& address, std::uint3
         bus.set_error_trace([&](const can::sim::NodeError& error) { recordings->error(error); });
     }
 
-    stop_on_signals(server);
+    stop_on_signals(*server);
     // Whoever reads the status may go, and a file may be as large as it may be: no reason to die.
     std::signal(SIGPIPE, SIG_IGN);
     std::signal(SIGXFSZ, SIG_IGN);
     if (!arguments.quiet) {
-        say("sim:" + address.path + ", " + std::to_string(bitrate) + " bit/s" +
-            (arguments.unpaced ? ", unpaced" : ""));
+        tell("sim:" + address.path + ", " + std::to_string(bitrate) + " bit/s" +
+             (arguments.unpaced ? ", unpaced" : ""));
     }
-    const std::string error = server.run();
+    const std::string error = server->run();
     for (const int signal : stop_signals) std::signal(signal, SIG_IGN);  // it is stopping already
     recordings->flush();
     const bool recorded = !recordings->failed();
-    recordings.reset();  // before the bus
-    bus.set_disturbance(nullptr);
-    tell_unused(arguments.fault_file, injector);
-    if (!error.empty()) return fail(error);
-    return recorded ? 0 : failure;
+    tell_unused(arguments.fault_file, *injector, tell);
+    if (!error.empty()) tell(error);
+    for (tools::PatientOutput* const output : {&status, &messages}) output->finish(last_patience);
+    return error.empty() && recorded ? 0 : failure;
 }
 
 int play(const Arguments& arguments, std::uint32_t bitrate) {
@@ -189,7 +200,8 @@ int play(const Arguments& arguments, std::uint32_t bitrate) {
     if (!arguments.length.empty()) {
         options.length = tools::parse_duration(arguments.length);
         if (!options.length) {
-            return fail("--for takes a time such as 20ms or 1.5s, not " + arguments.length);
+            return fail("--for takes a time such as 20ms or 1.5s, not " + arguments.length,
+                        usage_error);
         }
     }
     const auto text = read_file(arguments.scenario_file);
@@ -204,8 +216,8 @@ int play(const Arguments& arguments, std::uint32_t bitrate) {
     auto script = load_faults(arguments.fault_file);
     if (!script) return script.error();
 
+    can::sim::FaultInjector injector{std::move(*script), bitrate};  // outlives the bus
     can::sim::Bus bus{bitrate};
-    can::sim::FaultInjector injector{std::move(*script), bitrate};
     if (!arguments.fault_file.empty()) bus.set_disturbance(&injector);
     std::signal(SIGXFSZ, SIG_IGN);
     const auto recordings = tools::Recordings::start(bus, arguments.recordings, Duration{0}, say);
@@ -217,23 +229,30 @@ int play(const Arguments& arguments, std::uint32_t bitrate) {
     });
     print('\n' + tools::bus_table(report));
     (*recordings)->flush();
-    if (!arguments.fault_file.empty()) tell_unused(arguments.fault_file, injector);
+    if (!arguments.fault_file.empty()) tell_unused(arguments.fault_file, injector, say);
     return (*recordings)->failed() ? failure : 0;
 }
 
 int run(const Arguments& arguments) {
     const auto bitrate = can::parse_bitrate(arguments.bitrate);
-    if (!bitrate) return fail("--bitrate: " + bitrate.error());
+    if (!bitrate) return fail("--bitrate: " + bitrate.error(), usage_error);
+    if (const auto path = arguments.recordings.shared()) {
+        return fail("only one recording can go to " + *path, usage_error);
+    }
     if (!arguments.scenario_file.empty()) return play(arguments, *bitrate);
     const auto address = can::parse_bus_address(arguments.listen);
-    if (!address) return fail(address.error());
+    if (!address) return fail(address.error(), usage_error);
     const auto* sim = std::get_if<can::SimAddress>(&*address);
-    if (sim == nullptr) return fail("--listen takes sim:PATH, not " + arguments.listen);
+    if (sim == nullptr) {
+        return fail("--listen takes sim:PATH, not " + arguments.listen, usage_error);
+    }
     if (arguments.status && !arguments.wants_bus) {
-        if (const auto report = can::request_bus_report(*sim)) {
+        const auto report = can::request_bus_report(*sim);
+        if (report) {
             print(tools::bus_table(*report));
             return 0;
         }
+        if (!report.error().nobody_listens) return fail(report.error().reason);
     }
     return serve(arguments, *sim, *bitrate);
 }

@@ -1,5 +1,8 @@
 #include "tools/recordings.hpp"
 
+#include <array>
+#include <filesystem>
+#include <system_error>
 #include <utility>
 
 #include "orb/can/candump.hpp"
@@ -10,6 +13,20 @@ namespace {
 constexpr const char* interface = "can0";
 
 }  // namespace
+
+std::optional<std::string> RecordingFiles::shared() const {
+    const std::array<const std::string*, 3> paths{&log, &vcd, &pcapng};
+    for (std::size_t i = 0; i < paths.size(); ++i) {
+        if (paths[i]->empty()) continue;
+        for (std::size_t j = i + 1; j < paths.size(); ++j) {
+            std::error_code error;
+            const auto one = std::filesystem::weakly_canonical(*paths[i], error);
+            const auto other = std::filesystem::weakly_canonical(*paths[j], error);
+            if (*paths[i] == *paths[j] || (!error && one == other)) return *paths[i];
+        }
+    }
+    return std::nullopt;
+}
 
 Result<std::unique_ptr<Recordings>, std::string> Recordings::start(can::sim::Bus& bus,
                                                                    const RecordingFiles& files,
@@ -59,7 +76,7 @@ void Recordings::frame(const can::sim::CompletedFrame& completed) {
         pcapng_->frame(completed, bus_.name(completed.sender));
         check(pcapng_->error(), pcapng_failure_told_);
     }
-    if (vcd_) check(vcd_->error(), vcd_failure_told_);
+    if (vcd_) check_vcd();
 }
 
 void Recordings::error(const can::sim::NodeError& error) {
@@ -71,12 +88,20 @@ void Recordings::error(const can::sim::NodeError& error) {
 void Recordings::flush() {
     if (vcd_) {
         vcd_->flush();
-        check(vcd_->error(), vcd_failure_told_);
+        check_vcd();
     }
     if (pcapng_) {
         pcapng_->flush();
         check(pcapng_->error(), pcapng_failure_told_);
     }
+}
+
+void Recordings::check_vcd() {
+    check(vcd_->error(), vcd_failure_told_);
+    if (vcd_->nodes_without_lines() == 0 || lines_missing_told_) return;
+    lines_missing_told_ = true;
+    complain_("the VCD has lines for " + std::to_string(can::VcdOptions{}.room) +
+              " different names of nodes: no others will be in it");
 }
 
 void Recordings::check(const std::string& error, bool& told) {

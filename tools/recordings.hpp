@@ -20,6 +20,9 @@ struct RecordingFiles {
     std::string pcapng;
 
     bool any() const { return !log.empty() || !vcd.empty() || !pcapng.empty(); }
+
+    /// A path that two recordings have, which would spoil each other.
+    std::optional<std::string> shared() const;
 };
 
 /// The files that a simulated bus is recorded to. When one cannot be written any further, that is
@@ -53,6 +56,7 @@ class Recordings {
     Recordings(can::sim::Bus& bus, Duration unix_time_offset, Complain complain)
         : bus_(bus), unix_time_offset_(unix_time_offset), complain_(std::move(complain)) {}
     void check(const std::string& error, bool& told);
+    void check_vcd();
 
     can::sim::Bus& bus_;
     Duration unix_time_offset_;
@@ -63,6 +67,7 @@ class Recordings {
     bool log_failure_told_ = false;
     bool vcd_failure_told_ = false;
     bool pcapng_failure_told_ = false;
+    bool lines_missing_told_ = false;
     bool failed_ = false;
 };
 

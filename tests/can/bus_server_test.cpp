@@ -329,7 +329,7 @@ TEST_F(BusServerTest, ReportsWhatItsNodesDid) {
     ASSERT_TRUE(std::holds_alternative<TransmitHandle>(sender->send(Frame::standard(0x123, {}))));
     ASSERT_TRUE(next<TransmitResult>(*sender));
     const auto report = request_bus_report(SimAddress{path()});
-    ASSERT_TRUE(report) << report.error();
+    ASSERT_TRUE(report) << report.error().reason;
     EXPECT_EQ(report->bitrate, 500'000U);
     EXPECT_EQ(report->bus.frames, 1U);
     EXPECT_GE(report->bus.busy_bits, 44U);
@@ -348,14 +348,15 @@ TEST_F(BusServerTest, ReportsAsManyNodesAsThereMayBe) {
     }
     EXPECT_FALSE(open_link(address()));
     const auto report = request_bus_report(SimAddress{path()});
-    ASSERT_TRUE(report) << report.error();
+    ASSERT_TRUE(report) << report.error().reason;
     EXPECT_EQ(report->nodes.size(), 128U);
 }
 
 TEST_F(BusServerTest, AReportNeedsABus) {
     const auto report = request_bus_report(SimAddress{path()});
     ASSERT_FALSE(report);
-    EXPECT_THAT(report.error(), HasSubstr("no bus at " + address()));
+    EXPECT_THAT(report.error().reason, HasSubstr("no bus at " + address()));
+    EXPECT_TRUE(report.error().nobody_listens);
 }
 
 /// Whoever watches the bits takes a hundred times as long as they do.
@@ -392,7 +393,7 @@ TEST_F(BusServerTest, ServesEverybodyOnABusThatCannotKeepUp) {
         while (std::holds_alternative<TransmitHandle>(sender->send(Frame::standard(1, {})))) {
         }
         const auto report = request_bus_report(SimAddress{path()});
-        ASSERT_TRUE(report) << report.error();
+        ASSERT_TRUE(report) << report.error().reason;
         EXPECT_EQ(report->nodes.size(), 3U);
         EXPECT_LE(report->bus.time, monotonic_now());
         const auto received = next<Received>(*receiver);
@@ -462,7 +463,7 @@ TEST_F(BusServerTest, AThousandClientsThatGoLeaveNothingBehind) {
     }
     EXPECT_EQ(open_descriptors(), before);
     const auto report = request_bus_report(SimAddress{path()});
-    ASSERT_TRUE(report) << report.error();
+    ASSERT_TRUE(report) << report.error().reason;
     EXPECT_TRUE(report->nodes.empty());
     server_.reset();
     EXPECT_EQ(nodes.attached(), 0);

@@ -1,9 +1,11 @@
 // canorb-bus as people run it: a process of its own.
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <signal.h>
+#include <sys/socket.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -19,6 +21,7 @@
 
 #include "orb/can/candump.hpp"
 #include "orb/can/link/link.hpp"
+#include "orb/can/link/sim_socket.hpp"
 #include "tests/can/temporary_directory.hpp"
 
 namespace canorb::can {
@@ -83,6 +86,23 @@ class Process {
     int wait() {
         while (read_more()) {
         }
+        int status = 0;
+        ::waitpid(pid_, &status, 0);
+        pid_ = 0;
+        return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    }
+
+    /// From now on a write to its output would block, but for what another one reads.
+    void fill_its_output() const {
+        const std::string end = "/proc/" + std::to_string(pid_) + "/fd/1";
+        const int output = ::open(end.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+        ASSERT_GE(output, 0);
+        while (::write(output, "x", 1) == 1) continue;
+        ::close(output);
+    }
+
+    /// The exit code, while nobody reads.
+    int wait_unread() {
         int status = 0;
         ::waitpid(pid_, &status, 0);
         pid_ = 0;
@@ -262,31 +282,42 @@ TEST_F(CanorbBus, ReplacesTheSocketOfAKilledDaemon) {
 struct BadCommand {
     std::vector<std::string> arguments;
     std::string says;
+    int exit_code = 2;
 };
 
 TEST_F(CanorbBus, SaysWhatIsWrong) {
     for (const BadCommand& bad : {
-             BadCommand{{"--listen", "sim:/missing/directory/bus"}, "directory does not exist"},
+             BadCommand{{"--listen", "sim:/missing/directory/bus"}, "directory does not exist", 1},
              BadCommand{{"--listen", "local:x"}, "--listen takes sim:PATH"},
              BadCommand{{"--listen", "/tmp/x"}, "is not a bus address"},
              BadCommand{{"--listen", "sim:"}, "needs the path"},
              BadCommand{{"--listen", address(), "--bitrate", "4999"}, "is not a bit rate"},
              BadCommand{{"--listen", address(), "--bitrate", "fast"}, "is not a bit rate"},
-             BadCommand{{"--listen", address(), "--log", "/missing/directory/x"}, "cannot write"},
-             BadCommand{{"--listen", address(), "--vcd", "/missing/directory/x"}, "cannot write"},
-             BadCommand{{"--listen", address(), "--pcapng", "/missing/directory/x"},
-                        "cannot write"},
-             BadCommand{{"--listen", address(), "--fault", "/missing/x"},
-                        "cannot read /missing/x: No"},
-             BadCommand{{"--listen", address(), "--fault", "/tmp"}, "cannot read /tmp: Is a dir"},
+             BadCommand{
+                 {"--listen", address(), "--log", "/missing/directory/x"}, "cannot write", 1},
+             BadCommand{
+                 {"--listen", address(), "--vcd", "/missing/directory/x"}, "cannot write", 1},
+             BadCommand{
+                 {"--listen", address(), "--pcapng", "/missing/directory/x"}, "cannot write", 1},
+             BadCommand{
+                 {"--listen", address(), "--fault", "/missing/x"}, "cannot read /missing/x: No", 1},
+             BadCommand{
+                 {"--listen", address(), "--fault", "/tmp"}, "cannot read /tmp: Is a dir", 1},
              BadCommand{{"--lisen", address()}, "--lisen"},
-             BadCommand{{"--play", "/missing/x"}, "cannot read /missing/x"},
+             BadCommand{{"--listen", "socketcan:x"}, "--listen takes sim:PATH"},
+             BadCommand{{"--bitrate", "1"}, "is not a bit rate"},
+             BadCommand{{"--listen", address(), "--log", file("x", ""), "--vcd", file("x", "")},
+                        "only one recording can go to"},
+             BadCommand{{"--listen", address(), "--vcd", file("x", ""), "--pcapng",
+                         directory_.path() + "/./x"},
+                        "only one recording can go to"},
+             BadCommand{{"--play", "/missing/x"}, "cannot read /missing/x", 1},
              BadCommand{{"--play", "/dev/null", "--for", "20"}, "--for takes a time such as 20ms"},
              BadCommand{{"--play", "/dev/null", "--listen", address()}, "--listen"},
              BadCommand{{"--nodes", "a"}, "--play"},
          }) {
         Process bus = run(bad.arguments);
-        EXPECT_GT(bus.wait(), 0) << bad.says;
+        EXPECT_EQ(bus.wait(), bad.exit_code) << bad.says;
         EXPECT_THAT(bus.text(), HasSubstr(bad.says));
     }
 }
@@ -342,6 +373,43 @@ TEST_F(CanorbBus, PrintsItsOwnStatusEachSecondAndAtTheEnd) {
     bus.send_signal(SIGTERM);
     EXPECT_EQ(bus.wait(), 0);
     EXPECT_THAT(bus.text(), testing::ContainsRegex("500000 bit/s, .*500000 bit/s, "));
+}
+
+TEST_F(CanorbBus, SaysWhyABusDoesNotTellItsStatus) {
+    const auto silent = listen_at(path());  // which never answers
+    ASSERT_TRUE(silent);
+    std::thread hang_up{[&] {
+        pollfd descriptor{silent->get(), POLLIN, 0};
+        ::poll(&descriptor, 1, patience_ms);
+        ::close(::accept(silent->get(), nullptr, nullptr));
+    }};
+    Process status = run({"--listen", address(), "--status"});
+    EXPECT_EQ(status.wait(), 1);
+    hang_up.join();
+    EXPECT_EQ(status.text(), "canorb-bus: the bus at " + address() + " closed the connection\n");
+}
+
+TEST_F(CanorbBus, ServesOnWhenNobodyReadsItsStatus) {
+    Process bus = run({"--listen", address(), "--status"});
+    ASSERT_TRUE(bus.says("bit/s\n"));
+    bus.fill_its_output();
+    const auto controller = attach();
+    // Its own report each second, and the messages about clients, have nowhere to go.
+    const TimePoint end = monotonic_now() + 2500ms;
+    while (monotonic_now() < end) expect_working_bus();
+    bus.send_signal(SIGTERM);
+    EXPECT_EQ(bus.wait_unread(), 0);
+}
+
+TEST_F(CanorbBus, SaysThatAVcdHasNoRoomForMoreNames) {
+    const std::string vcd = directory_.path() + "/bits.vcd";
+    Process bus = run({"--listen", address(), "--vcd", vcd, "--quiet"});
+    while (!open_link(address())) std::this_thread::yield();
+    for (int i = 0; i < 130; ++i) attach_as("node-" + std::to_string(i));
+    EXPECT_TRUE(bus.says("the VCD has lines for 128 different names of nodes"));
+    bus.send_signal(SIGTERM);
+    EXPECT_EQ(bus.wait(), 0);
+    EXPECT_EQ(bus.text().find("the VCD"), bus.text().rfind("the VCD"));
 }
 
 TEST_F(CanorbBus, RecordsWhatHappens) {

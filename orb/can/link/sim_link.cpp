@@ -31,6 +31,10 @@ struct Admission {
     sim::Welcome welcome;
 };
 
+bool is_absent(int error) {
+    return error == ENOENT || error == ECONNREFUSED;
+}
+
 std::optional<sim::ServerPacket> receive_server_packet(const Descriptor& socket,
                                                        ReceiveOutcome& outcome) {
     std::array<std::uint8_t, sim::max_packet_size> buffer;
@@ -61,24 +65,29 @@ Result<std::optional<sim::ServerPacket>, std::string> await_packet(const Descrip
     return packet;
 }
 
-/// Blocks until the daemon has answered.
-Result<Admission, std::string> ask(const std::string& path, const sim::Hello& hello) {
-    auto socket = connect_to_bus(path);
-    if (!socket) return Failure{no_bus(path, socket.error())};
+/// Blocks until the daemon at `path` has answered.
+Result<Admission, std::string> ask(Descriptor socket, const std::string& path,
+                                   const sim::Hello& hello) {
     const std::string who = the_bus_at(path);
     // A daemon that refuses may have closed already: its reason is there to read all the same.
-    send_packet(*socket, sim::encode(hello));
-    const auto answered = await_packet(*socket, path);
+    send_packet(socket, sim::encode(hello));
+    const auto answered = await_packet(socket, path);
     if (!answered) return Failure{answered.error()};
     if (const auto& answer = *answered) {
         if (const auto* refusal = std::get_if<sim::Refusal>(&*answer)) {
             return Failure{who + " refused: " + refusal->reason};
         }
         if (const auto* welcome = std::get_if<sim::Welcome>(&*answer)) {
-            return Admission{std::move(*socket), *welcome};
+            return Admission{std::move(socket), *welcome};
         }
     }
     return Failure{who + " answered with something that is no welcome"};
+}
+
+Result<Admission, std::string> ask(const std::string& path, const sim::Hello& hello) {
+    auto socket = connect_to_bus(path);
+    if (!socket) return Failure{no_bus(path, socket.error())};
+    return ask(std::move(*socket), path, hello);
 }
 
 /// Invariants, all under the mutex:
@@ -372,24 +381,29 @@ Result<std::unique_ptr<Link>, std::string> open_sim_link(const SimAddress& addre
     return std::unique_ptr<Link>{std::make_unique<SimLink>(address)};
 }
 
-Result<BusReport, std::string> request_bus_report(const SimAddress& address) {
+Result<BusReport, NoReport> request_bus_report(const SimAddress& address) {
+    const auto failure = [](std::string reason) { return Failure{NoReport{std::move(reason)}}; };
+    auto socket = connect_to_bus(address.path);
+    if (!socket) {
+        return Failure{NoReport{no_bus(address.path, socket.error()), is_absent(socket.error())}};
+    }
     sim::Hello hello;
     hello.wish = sim::Hello::Wish::status;
-    const auto admission = ask(address.path, hello);
-    if (!admission) return Failure{admission.error()};
+    const auto admission = ask(std::move(*socket), address.path, hello);
+    if (!admission) return failure(admission.error());
     const std::string nonsense = the_bus_at(address.path) + " answered with something else";
     BusReport report;
     report.bitrate = admission->welcome.bitrate;
     const auto first = await_packet(admission->socket, address.path);
-    if (!first) return Failure{first.error()};
+    if (!first) return failure(first.error());
     const auto* bus = *first ? std::get_if<sim::BusStatus>(&**first) : nullptr;
-    if (bus == nullptr) return Failure{nonsense};
+    if (bus == nullptr) return failure(nonsense);
     report.bus = *bus;
     while (report.nodes.size() < report.bus.nodes) {
         const auto next = await_packet(admission->socket, address.path);
-        if (!next) return Failure{next.error()};
+        if (!next) return failure(next.error());
         const auto* node = *next ? std::get_if<sim::NodeStatus>(&**next) : nullptr;
-        if (node == nullptr) return Failure{nonsense};
+        if (node == nullptr) return failure(nonsense);
         report.nodes.push_back(*node);
     }
     return report;

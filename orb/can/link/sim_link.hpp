@@ -17,7 +17,13 @@ namespace canorb::can {
 /// connects again, at once or as soon as there is a daemon, with the same filters.
 Result<std::unique_ptr<Link>, std::string> open_sim_link(const SimAddress& address);
 
+/// Why there is no report.
+struct NoReport {
+    std::string reason;           ///< a sentence for people
+    bool nobody_listens = false;  ///< else there is something that does not answer as a bus does
+};
+
 /// How the bus of a canorb-bus daemon is.
-Result<BusReport, std::string> request_bus_report(const SimAddress& address);
+Result<BusReport, NoReport> request_bus_report(const SimAddress& address);
 
 }  // namespace canorb::can
