@@ -691,12 +691,19 @@ TEST(FaultInjector, LotsTakeOutOnlyTheFramesTheyHit) {
 }
 
 TEST(FaultInjector, DisturbsABusWithoutNodes) {
-    FaultInjector injector{*parse_fault_script("at 10us stuck-dominant wire"), 1'000'000};
-    Bus bus{1'000'000};
-    bus.set_disturbance(&injector);
-    bus.advance(at(1ms));
-    EXPECT_EQ(bus.statistics().frames, 0U);
-    EXPECT_EQ(bus.statistics().error_frames, 0U);
+    for (const bool has_had_one : {false, true}) {
+        FaultInjector injector{
+            *parse_fault_script("at 10us stuck-dominant wire\nat 0s cut-off each-node"), 1'000'000};
+        Bus bus{1'000'000};
+        bus.set_disturbance(&injector);
+        if (has_had_one) bus.detach(bus.attach());
+        bus.advance(at(1ms));
+        EXPECT_EQ(bus.statistics().frames, 0U);
+        EXPECT_EQ(bus.statistics().error_frames, 0U);
+        EXPECT_EQ(bus.statistics().busy_bits, 990U) << has_had_one;
+        EXPECT_EQ(injector.acted(0), 1U);
+        EXPECT_EQ(injector.acted(1), 0U);
+    }
 }
 
 // Two lots that hit different places of one bit at once.

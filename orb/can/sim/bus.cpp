@@ -36,6 +36,7 @@ std::uint8_t lost_at(std::uint32_t loser, std::uint32_t winner) {
 Bus::Bus(std::uint32_t bitrate, TimePoint start)
     : bitrate_(bitrate), start_(start), time_(start), anchor_(start) {
     assert(bitrate >= lowest_bitrate && bitrate <= highest_bitrate);
+    rebuild_present();
 }
 
 // ---- nodes
