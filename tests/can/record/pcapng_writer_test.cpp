@@ -266,7 +266,7 @@ INSTANTIATE_TEST_SUITE_P(
                     "2000028C 08000000 00 30 00 1B 00 00 80 81",
                     "then error passive, TEC 128, REC 129"},
         // CAN_ERR_BUSOFF; a counter of 256 does not fit.
-        ErrorSample{"off",
+        ErrorSample{"bus_off",
                     {Kind::bit, {FrameField::start_of_frame, 0, false}, true},
                     {State::bus_off, 256, 0},
                     "200002C8 08000000 00 00 81 03 00 00 FF 00",
