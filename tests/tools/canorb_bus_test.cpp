@@ -389,6 +389,34 @@ TEST_F(CanorbBus, SaysWhyABusDoesNotTellItsStatus) {
     EXPECT_EQ(status.text(), "canorb-bus: the bus at " + address() + " closed the connection\n");
 }
 
+TEST_F(CanorbBus, SaysOnceASecondThatItHasNoDescriptorForAClient) {
+    Process bus = Process::program(
+        {"/bin/bash", "-c", "ulimit -n 16; exec " CANORB_BUS " --listen " + address()});
+    ASSERT_TRUE(bus.says("bit/s\n")) << bus.text();
+    const auto controller = attach();
+    std::vector<Descriptor> connections;
+    for (int i = 0; i < 20; ++i) {
+        auto connection = connect_to_bus(path());
+        ASSERT_TRUE(connection);
+        connections.push_back(std::move(*connection));
+    }
+    ASSERT_TRUE(bus.says("cannot accept a client: Too many open files\n"));
+    // Each of these is a turn of the daemon.
+    const TimePoint begin = monotonic_now();
+    for (int i = 0; i < 200; ++i) ASSERT_TRUE(controller->set_listen_only(i % 2 == 0));
+    connections.clear();
+    expect_working_bus();
+    const auto seconds = static_cast<int>((monotonic_now() - begin) / 1s);
+    bus.send_signal(SIGTERM);
+    EXPECT_EQ(bus.wait(), 0);
+    int said = 0;
+    for (auto at = bus.text().find("cannot accept"); at != std::string::npos;
+         at = bus.text().find("cannot accept", at + 1)) {
+        ++said;
+    }
+    EXPECT_LE(said, seconds + 2);
+}
+
 TEST_F(CanorbBus, ServesOnWhenNobodyReadsItsStatus) {
     Process bus = run({"--listen", address(), "--status"});
     ASSERT_TRUE(bus.says("bit/s\n"));
