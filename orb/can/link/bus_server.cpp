@@ -2,7 +2,6 @@
 
 #include <poll.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -60,47 +59,8 @@ struct Request {
     sim::ClientPacket packet;
 };
 
-/// What identifies a file, to remove only the socket that is ours.
-struct FileIdentity {
-    dev_t device = 0;
-    ino_t inode = 0;
-    friend bool operator==(const FileIdentity&, const FileIdentity&) = default;
-};
-
-std::optional<FileIdentity> identity(const std::string& path) {
-    struct stat status{};
-    if (::lstat(path.c_str(), &status) != 0) return std::nullopt;
-    return FileIdentity{status.st_dev, status.st_ino};
-}
-
 sim::ServerPacket to_packet(const ControllerEvent& event) {
     return std::visit([](const auto& form) { return sim::ServerPacket{form}; }, event);
-}
-
-std::string process_of(const Descriptor& socket) {
-    ucred credentials{};
-    socklen_t size = sizeof credentials;
-    if (::getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &credentials, &size) != 0) return "?";
-    return std::to_string(credentials.pid);
-}
-
-/// Makes way for a new daemon's socket. The error is a sentence.
-std::optional<std::string> remove_stale_socket(const std::string& path) {
-    struct stat status{};
-    if (::lstat(path.c_str(), &status) != 0) return std::nullopt;  // nothing there
-    if (!S_ISSOCK(status.st_mode)) return path + " exists and is not a socket";
-    const auto connection = connect_to_bus(path);
-    if (connection || connection.error() != ECONNREFUSED) {
-        if (connection || connection.error() == EAGAIN || connection.error() == EPROTOTYPE) {
-            return "a bus is already running at sim:" + path;
-        }
-        return "cannot tell whether a bus is running at sim:" + path + ": " +
-               error_text(connection.error());
-    }
-    if (::unlink(path.c_str()) != 0 && errno != ENOENT) {
-        return "cannot remove the old socket " + path + ": " + error_text(errno);
-    }
-    return std::nullopt;
 }
 
 }  // namespace

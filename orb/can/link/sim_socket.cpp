@@ -3,6 +3,7 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cassert>
@@ -77,6 +78,37 @@ ReceiveOutcome receive_packet(const Descriptor& socket, MutableBytes buffer, std
         if (errno == EINTR || errno == ECONNRESET) continue;
         return errno == EAGAIN ? ReceiveOutcome::nothing : ReceiveOutcome::gone;
     }
+}
+
+std::optional<FileIdentity> identity(const std::string& path) {
+    struct stat status{};
+    if (::lstat(path.c_str(), &status) != 0) return std::nullopt;
+    return FileIdentity{status.st_dev, status.st_ino};
+}
+
+std::string process_of(const Descriptor& socket) {
+    ucred credentials{};
+    socklen_t size = sizeof credentials;
+    if (::getsockopt(socket.get(), SOL_SOCKET, SO_PEERCRED, &credentials, &size) != 0) return "?";
+    return std::to_string(credentials.pid);
+}
+
+std::optional<std::string> remove_stale_socket(const std::string& path) {
+    struct stat status{};
+    if (::lstat(path.c_str(), &status) != 0) return std::nullopt;  // nothing there
+    if (!S_ISSOCK(status.st_mode)) return path + " exists and is not a socket";
+    const auto connection = connect_to_bus(path);
+    if (connection || connection.error() != ECONNREFUSED) {
+        if (connection || connection.error() == EAGAIN || connection.error() == EPROTOTYPE) {
+            return "a bus is already running at sim:" + path;
+        }
+        return "cannot tell whether a bus is running at sim:" + path + ": " +
+               error_text(connection.error());
+    }
+    if (::unlink(path.c_str()) != 0 && errno != ENOENT) {
+        return "cannot remove the old socket " + path + ": " + error_text(errno);
+    }
+    return std::nullopt;
 }
 
 }  // namespace canorb::can
