@@ -466,6 +466,31 @@ TEST(JoinedFrame, BeginsWithTheBitThatWasTakenForItsSof) {
     EXPECT_EQ(frames[1].lost_arbitrations, 0U);
 }
 
+TEST(OverloadFrame, IsToldWithTheBitThatCausedIt) {
+    Bus bus{500'000};
+    FaultInjector injector{*parse_fault_script("frame 123 at intermission.1 dominant b"), 500'000};
+    bus.set_disturbance(&injector);
+    std::vector<NodeOverload> overloads;
+    bus.set_overload_trace([&](const NodeOverload& each) { overloads.push_back(each); });
+    TestNode a{bus, {.name = "a"}};
+    TestNode b{bus, {.name = "b"}};
+    a.must_send(standard(0x123));
+    run_until_quiet(bus);
+    a.drain();
+    ASSERT_EQ(a.results.size(), 1U);
+    // b's flag begins in the second bit of the intermission, where a answers it.
+    ASSERT_EQ(overloads.size(), 2U);
+    EXPECT_EQ(overloads[0].node, b.node());
+    EXPECT_EQ(overloads[0].time, a.results[0].time + bits(1));
+    EXPECT_EQ(overloads[0].position, (FramePosition{FrameField::intermission, 0, false}));
+    EXPECT_EQ(overloads[1].node, a.node());
+    EXPECT_EQ(overloads[1].time, a.results[0].time + bits(2));
+    EXPECT_EQ(overloads[1].position, (FramePosition{FrameField::intermission, 1, false}));
+    EXPECT_EQ(bus.statistics(a.node()).overloads, 1U);
+    EXPECT_EQ(bus.statistics(b.node()).overloads, 1U);
+    EXPECT_EQ(a.error_status(), ErrorStatus{});
+}
+
 TEST(CutOffNode, BeginsAFrameDuringAnotherWithoutDisturbingItsAccount) {
     // "second" hears nothing of the frame on the wire and begins one of its own at bit 5, in vain.
     const auto frames = frames_under("at 0s cut-off second for 200 bits", true);

@@ -273,12 +273,20 @@ TEST_F(BusServerTest, ADisconnectedClientLeavesNothingBehind) {
         client.say(send_request(1));
     }
     ASSERT_TRUE(open_link(address()));  // answered after the daemon has seen the end
+    // Had it become error passive by then, the listener may have heard its frame; the last one was
+    // on the bus when it went.
+    const TimePoint gone = monotonic_now() + 1ms;
     EXPECT_TRUE(listener->set_listen_only(false));
     const auto sender = attach();
     ASSERT_TRUE(std::holds_alternative<TransmitHandle>(sender->send(Frame::standard(0x7EF, {}))));
-    const auto received = next<Received>(*listener);
-    ASSERT_TRUE(received);
-    EXPECT_EQ(received->frame.id, 0x7EFU);
+    std::optional<Received> received;
+    do {
+        received = next<Received>(*listener);
+        ASSERT_TRUE(received);
+        if (received->frame.id != 0x7EF) {
+            EXPECT_LE(received->time, gone);
+        }
+    } while (received->frame.id != 0x7EF);
 }
 
 TEST_F(BusServerTest, TimesInTheFutureOrThePastGainNothing) {

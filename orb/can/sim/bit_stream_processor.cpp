@@ -246,9 +246,9 @@ BitStreamProcessor::Events BitStreamProcessor::step_tail(std::uint8_t seen) {
     // For a receiver the frame is valid whatever this bit is: it was without error up to the last
     // but one.
     if (transmitter_) confinement_.transmitted();
-    const Events events = transmitter_ ? sent : received;
+    Events events = transmitter_ ? sent : received;
     if (is_dominant) {
-        begin_overload_flag();
+        events |= begin_overload_flag();
     } else {
         enter(State::intermission);
     }
@@ -292,9 +292,11 @@ void BitStreamProcessor::begin_error_flag(bool is_passive) {
     run_ = 0;
 }
 
-void BitStreamProcessor::begin_overload_flag() {
+BitStreamProcessor::Events BitStreamProcessor::begin_overload_flag() {
+    overload_position_ = position();
     enter(State::overload_flag);
     driven_ = 0;
+    return overload;
 }
 
 BitStreamProcessor::Events BitStreamProcessor::step_flag(std::uint8_t seen) {
@@ -341,8 +343,9 @@ BitStreamProcessor::Events BitStreamProcessor::step_delimiter(std::uint8_t seen)
     const bool is_last = count_ + 1 == delimiter_bits;
     if (seen == 0) {
         if (!is_last) return fail(ErrorKind::form, position());
-        begin_overload_flag();
-    } else if (is_last) {
+        return begin_overload_flag();
+    }
+    if (is_last) {
         enter(State::intermission);
     } else {
         ++count_;
@@ -364,8 +367,7 @@ BitStreamProcessor::Events BitStreamProcessor::step_between(std::uint8_t seen) {
             return step_stuffed(seen);
         case State::intermission:
             if (count_ + 1 < intermission_length) {
-                begin_overload_flag();
-                return 0;
+                return begin_overload_flag();
             } else {
                 // Taken for a SOF. Who has a frame to send goes on with its identifier.
                 const bool suspended = transmitter_ && !confinement_.is_active();

@@ -31,6 +31,7 @@ class BitStreamProcessor {
     static constexpr Events sent = 4;      ///< at the end of EOF
     static constexpr Events received = 8;  ///< at the end of EOF
     static constexpr Events status_changed = 16;
+    static constexpr Events overload = 64;  ///< begins an overload flag
     static constexpr Events joinable = 32;  ///< may_start() in the middle of a frame
 
     /// Recessive bits between which a node may take part again.
@@ -119,6 +120,8 @@ class BitStreamProcessor {
     std::uint8_t lost_at() const { return lost_at_; }
     /// After `detected_error`.
     const ErrorCapture& error() const { return error_; }
+    /// After `overload`: the bit that should not have been dominant.
+    FramePosition overload_position() const { return overload_position_; }
 
   private:
     enum class State : std::uint8_t {
@@ -183,7 +186,7 @@ class BitStreamProcessor {
     void enter(State state);
     void leave_intermission();
     void begin_error_flag(bool is_passive);
-    void begin_overload_flag();
+    Events begin_overload_flag();
     void enter_bus_off();
     Events dispatch(std::uint8_t seen);
     Events fail(ErrorKind kind, FramePosition position);
@@ -223,6 +226,7 @@ class BitStreamProcessor {
 
     std::uint8_t lost_at_ = 0;
     ErrorCapture error_;
+    FramePosition overload_position_;
 };
 
 }  // namespace canorb::can::sim

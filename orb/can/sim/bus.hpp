@@ -123,6 +123,11 @@ class Bus {
         error_trace_ = std::move(trace);
     }
 
+    /// Called for each overload frame that a node begins; otherwise as set_trace().
+    void set_overload_trace(std::function<void(const NodeOverload&)> trace) {
+        overload_trace_ = std::move(trace);
+    }
+
     /// From the next frame on, until another one is set; nullptr: none.
     void set_disturbance(Disturbance* disturbance);
     void set_bit_observer(BitObserver* observer);
@@ -237,6 +242,7 @@ class Bus {
 
     std::function<void(const CompletedFrame&)> trace_;
     std::function<void(const NodeError&)> error_trace_;
+    std::function<void(const NodeOverload&)> overload_trace_;
     Disturbance* disturbance_ = nullptr;
     BitObserver* observer_ = nullptr;
     Fidelity fidelity_ = Fidelity::frames;

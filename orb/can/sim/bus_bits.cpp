@@ -173,6 +173,13 @@ void Bus::handle(std::size_t index, BitStreamProcessor::Events events) {
     if ((events & BitStreamProcessor::received) != 0) {
         node.end_received(node.processor.frame(), time_);
     }
+    if ((events & BitStreamProcessor::overload) != 0) {
+        ++node.statistics.overloads;
+        if (overload_trace_) {
+            overload_trace_({time_, NodeIndex{static_cast<std::uint16_t>(index)},
+                             node.processor.overload_position()});
+        }
+    }
     if ((events & BitStreamProcessor::status_changed) != 0) node.tell_status(time_);
 }
 

@@ -45,14 +45,22 @@ struct NodeError {
     bool primary = false;  ///< the first of one disturbance; the others follow from its error flag
 };
 
+/// A node begins an overload frame.
+struct NodeOverload {
+    TimePoint time;  ///< end of the bit that should not have been dominant
+    NodeIndex node{};
+    FramePosition position;  ///< of that bit
+};
+
 /// What a node has done since it was attached.
 struct NodeStatistics {
     std::uint64_t sent = 0;      ///< frames, acknowledged
     std::uint64_t received = 0;  ///< valid frames of others, whatever its filters
     std::uint64_t lost_arbitrations = 0;
-    std::uint64_t errors = 0;  ///< detected by it
-    std::uint64_t overruns =
-        0;  ///< frames that passed its filters and found the receive queue full
+    std::uint64_t errors = 0;     ///< detected by it
+    std::uint64_t overloads = 0;  ///< overload frames that it began
+    /// Frames that passed its filters and found the receive queue full.
+    std::uint64_t overruns = 0;
     /// Where it lost an arbitration last, as an SJA1000 counts: 0..10 identifier bits 28..18 (or
     /// 10..0 of a standard one), 11 SRR or RTR, 12 IDE, 13..30 identifier bits 17..0, 31 RTR of an
     /// extended frame.

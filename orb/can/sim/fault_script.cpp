@@ -165,7 +165,14 @@ class LineParser {
 
     bool end() {
         if (peek() == nullptr) return true;
-        return fail("write a # before a comment, and nothing else after the end of a fault");
+        return fail("write a # before a comment, and nothing else after the end of a fault" +
+                    hint());
+    }
+
+    /// What may be meant by a word behind a name.
+    std::string hint() const {
+        if (peek() == nullptr || next_ != behind_bare_name_) return "";
+        return " (a name with spaces is written in quotes)";
     }
 
     bool seed() {
@@ -234,8 +241,8 @@ class LineParser {
         if (!take("at")) {
             return fail(
                 "write \"from\" and a node, then \"attempt\" and a number, or \"at\" and a place "
-                "in "
-                "the frame here");
+                "in the frame here" +
+                hint());
         }
         if (!place(when.place)) return false;
         fault.trigger = std::move(when);
@@ -359,23 +366,28 @@ class LineParser {
             return true;
         }
         result.scope = FaultTargets::Scope::named;
+        const std::string_view first_choices =
+            wire_allowed ? "wire, each-node or " : "each-node or ";
         do {
             std::string node;
-            if (!name(node)) return false;
+            if (!name(node, result.names.empty() ? first_choices : "")) return false;
             result.names.push_back(std::move(node));
         } while (take(","));
         return true;
     }
 
-    bool name(std::string& result) {
+    /// `others` may be there as well.
+    bool name(std::string& result, std::string_view others = "") {
         const bool is_reserved =
             std::find(reserved.begin(), reserved.end(), word()) != reserved.end();
         if (peek() == nullptr || is_next(",") || is_reserved) {
-            return fail(is_reserved ? "write a node's name here (in quotes if that is its name)"
-                                    : "write a node's name here");
+            return fail("write " + std::string{others} + "a node's name here" +
+                        (is_reserved ? " (in quotes if that is its name)" : ""));
         }
         result = std::string{peek()->text};
+        const bool quoted = peek()->quoted;
         ++next_;
+        if (!quoted) behind_bare_name_ = next_;
         return true;
     }
 
@@ -385,6 +397,7 @@ class LineParser {
     bool& has_seed_;
     std::vector<Token> tokens_;
     std::size_t next_ = 0;
+    std::size_t behind_bare_name_ = 0;  ///< the token after the last name without quotes
     std::size_t end_column_ = 1;
     std::optional<FaultScriptError> error_;
 };
@@ -468,14 +481,17 @@ Result<FaultScript, std::vector<FaultScriptError>> parse_fault_script(std::strin
     FaultScript script;
     std::vector<FaultScriptError> errors;
     bool has_seed = false;
-    for (std::size_t number = 1; !text.empty() && errors.size() < max_fault_script_errors;
+    for (std::size_t number = 1; !text.empty() && errors.size() <= max_fault_script_errors;
          ++number) {
         const std::size_t end = std::min(text.find('\n'), text.size());
         std::string_view line = text.substr(0, end);
         text.remove_prefix(std::min(end + 1, text.size()));
         if (line.ends_with('\r')) line.remove_suffix(1);
         LineParser parser{line, number, script, has_seed};
-        if (auto error = parser.parse()) errors.push_back(std::move(*error));
+        auto error = parser.parse();
+        if (!error) continue;
+        if (errors.size() == max_fault_script_errors) error->message = "and more errors";
+        errors.push_back(std::move(*error));
     }
     if (!errors.empty()) return Failure{std::move(errors)};
     return script;

@@ -120,7 +120,7 @@ struct FaultScriptError {
 /// "3:14: message"
 std::string format(const FaultScriptError& error);
 
-/// At most this many errors are reported.
+/// At most this many errors are reported; where there are more, one after them says so.
 inline constexpr std::size_t max_fault_script_errors = 20;
 
 /// All lines of a script; or the first error of each line that has one. Line ends may be LF or
