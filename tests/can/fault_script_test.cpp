@@ -229,13 +229,18 @@ TEST(FaultScript, SaysWhatToWrite) {
         {"at 1s explode a",
          "1:7: write what happens here: flip, dominant, recessive, "
          "stuck-dominant, cut-off or reconnect"},
-        {"at 1s flip", "1:11: write a node's name here"},
+        {"at 1s flip", "1:11: write wire, each-node or a node's name here"},
+        {"at 1s cut-off", "1:14: write each-node or a node's name here"},
         {"at 1s flip a,", "1:14: write a node's name here"},
-        {"at 1s flip , a", "1:12: write a node's name here"},
-        {"at 1s flip for 3 bits", "1:12: write a node's name here (in quotes if that is its name)"},
+        {"at 1s flip , a", "1:12: write wire, each-node or a node's name here"},
+        {"at 1s flip for 3 bits",
+         "1:12: write wire, each-node or a node's name here (in quotes if that is its name)"},
         {"at 1s flip a, wire", "1:15: write a node's name here (in quotes if that is its name)"},
         {"at 1s flip a b",
-         "1:14: write a # before a comment, and nothing else after the end of a fault"},
+         "1:14: write a # before a comment, and nothing else after the end of a fault (a name with "
+         "spaces is written in quotes)"},
+        {"at 1s flip \"a\" b",
+         "1:16: write a # before a comment, and nothing else after the end of a fault"},
         {"at 1s flip wire, a",
          "1:16: write a # before a comment, and nothing else after the end of a fault"},
         {"at 1s cut-off wire", "1:15: write which nodes, not the wire"},
@@ -266,7 +271,7 @@ TEST(FaultScript, SaysWhatToWrite) {
         {"frame from a sof flip wire",
          "1:14: "
          "write \"from\" and a node, then \"attempt\" and a number, or \"at\" and a place in the "
-         "frame here"},
+         "frame here (a name with spaces is written in quotes)"},
         {"frame attempt 1 from a at sof flip wire",
          "1:17: "
          "write \"from\" and a node, then \"attempt\" and a number, or \"at\" and a place in the "
@@ -295,7 +300,7 @@ TEST(FaultScript, SaysWhatToWrite) {
         {"bit-error-rate wire",
          "1:16: write a rate above 0 and up to 1, such as 1e-5 or 0.001, "
          "with at most 18 digits after the point"},
-        {"bit-error-rate 1e-5", "1:20: write a node's name here"},
+        {"bit-error-rate 1e-5", "1:20: write wire, each-node or a node's name here"},
     };
     for (const auto& [text, error] : cases) {
         EXPECT_EQ(errors_of(text), std::vector<std::string>{error}) << text;
@@ -319,12 +324,15 @@ TEST(FaultScript, ReportsTheFirstErrorOfEachLine) {
               }));
 }
 
-TEST(FaultScript, ReportsAtMostTwentyErrors) {
+TEST(FaultScript, ReportsTwentyErrorsAndThatThereAreMore) {
     std::string text;
-    for (int i = 0; i < 50; ++i) text += "nonsense\n";
-    const auto errors = errors_of(text);
-    ASSERT_EQ(errors.size(), max_fault_script_errors);
-    EXPECT_EQ(errors.back().substr(0, 5), "20:1:");
+    for (int i = 0; i < 20; ++i) text += "nonsense\n";
+    auto errors = errors_of(text + "at 1s flip wire\n");
+    ASSERT_EQ(errors.size(), 20U);
+    EXPECT_EQ(errors.back().substr(0, 12), "20:1: write ");
+    errors = errors_of(text + "seed 1\n\nnonsense\nnonsense\n");
+    ASSERT_EQ(errors.size(), 21U);
+    EXPECT_EQ(errors.back(), "23:1: and more errors");
 }
 
 TEST(FaultScript, TakesTheExamples) {

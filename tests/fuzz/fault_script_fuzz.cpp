@@ -83,7 +83,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         return 0;
     }
     require(!script.error().empty());
-    require(script.error().size() <= sim::max_fault_script_errors);
+    require(script.error().size() <= sim::max_fault_script_errors + 1);
     for (const sim::FaultScriptError& error : script.error()) require_in(text, error);
     return 0;
 }

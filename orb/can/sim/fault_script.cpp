@@ -72,6 +72,10 @@ const typename Table::value_type* look_up(const Table& table, std::string_view t
     return found == table.end() ? nullptr : &*found;
 }
 
+bool is_reserved(std::string_view word) {
+    return std::find(reserved.begin(), reserved.end(), word) != reserved.end();
+}
+
 bool is_space(char c) {
     return c == ' ' || c == '\t';
 }
@@ -171,7 +175,7 @@ class LineParser {
 
     /// What may be meant by a word behind a name.
     std::string hint() const {
-        if (peek() == nullptr || next_ != behind_bare_name_) return "";
+        if (peek() == nullptr || next_ != behind_bare_name_ || is_reserved(word())) return "";
         return " (a name with spaces is written in quotes)";
     }
 
@@ -378,11 +382,9 @@ class LineParser {
 
     /// `others` may be there as well.
     bool name(std::string& result, std::string_view others = "") {
-        const bool is_reserved =
-            std::find(reserved.begin(), reserved.end(), word()) != reserved.end();
-        if (peek() == nullptr || is_next(",") || is_reserved) {
+        if (peek() == nullptr || is_next(",") || is_reserved(word())) {
             return fail("write " + std::string{others} + "a node's name here" +
-                        (is_reserved ? " (in quotes if that is its name)" : ""));
+                        (is_reserved(word()) ? " (in quotes if that is its name)" : ""));
         }
         result = std::string{peek()->text};
         const bool quoted = peek()->quoted;
