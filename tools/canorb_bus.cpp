@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
@@ -62,10 +63,13 @@ int fail(const std::string& reason, int exit_code = failure) {
     return exit_code;
 }
 
-/// Everything that is on standard output so far is to be seen.
-void print(const std::string& text) {
-    std::fputs(text.c_str(), stdout);
-    std::fflush(stdout);
+/// Everything that is on standard output so far is to be seen. The exit code; what could not be
+/// written was said.
+int print(const std::string& text) {
+    const bool written = std::fputs(text.c_str(), stdout) >= 0 && std::fflush(stdout) == 0 &&
+                         std::ferror(stdout) == 0;
+    if (written) return 0;
+    return fail("cannot write all of standard output: " + std::generic_category().message(errno));
 }
 
 constexpr int stop_signals[] = {SIGINT, SIGTERM, SIGHUP};
@@ -145,6 +149,8 @@ int serve(const Arguments& arguments, const can::SimAddress& address, std::uint3
     std::optional<can::sim::FaultInjector> injector;
     std::unique_ptr<can::BusServer> server;
     std::unique_ptr<tools::Recordings> recordings;  // takes itself from the bus
+    tools::RecordingFiles files = arguments.recordings;
+    files.log_interface = tools::bus_interface;
     can::BusServerOptions options;
     options.path = address.path;
     options.bitrate = bitrate;
@@ -163,7 +169,7 @@ int serve(const Arguments& arguments, const can::SimAddress& address, std::uint3
     injector.emplace(std::move(*script), bitrate, bus.now());
     if (!arguments.fault_file.empty()) bus.set_disturbance(&*injector);
     // Only now: a daemon that is refused must not empty the files of the one that runs.
-    auto started = tools::Recordings::start(bus, arguments.recordings, unix_time_offset(), tell);
+    auto started = tools::Recordings::start(bus, files, unix_time_offset(), tell);
     if (!started) return fail(started.error());
     recordings = std::move(*started);
     if (arguments.recordings.any()) {
@@ -195,12 +201,20 @@ int serve(const Arguments& arguments, const can::SimAddress& address, std::uint3
 
 int play(const Arguments& arguments, std::uint32_t bitrate) {
     tools::PlayOptions options;
+    for (const std::string& name : arguments.nodes) {
+        if (name.empty()) return fail("--nodes takes names, and none is empty", usage_error);
+        if (std::count(arguments.nodes.begin(), arguments.nodes.end(), name) > 1) {
+            return fail("--nodes has " + name + " twice", usage_error);
+        }
+    }
     options.listeners = arguments.nodes;
+    options.advise = say;
     options.automatic_recovery = arguments.recover_automatically;
     if (!arguments.length.empty()) {
         options.length = tools::parse_duration(arguments.length);
         if (!options.length) {
-            return fail("--for takes a time such as 20ms or 1.5s, not " + arguments.length,
+            return fail("--for takes a time such as 20ms or 1.5s, at most 1000000s, not " +
+                            arguments.length,
                         usage_error);
         }
     }
@@ -227,18 +241,18 @@ int play(const Arguments& arguments, std::uint32_t bitrate) {
     const can::BusReport report = tools::play(*scenario, options, bus, [](const std::string& line) {
         std::fputs((line + '\n').c_str(), stdout);
     });
-    print('\n' + tools::bus_table(report));
+    const int printed = print('\n' + tools::bus_table(report));
     (*recordings)->flush();
     if (!arguments.fault_file.empty()) tell_unused(arguments.fault_file, injector, say);
-    return (*recordings)->failed() ? failure : 0;
+    return (*recordings)->failed() ? failure : printed;
 }
 
 int run(const Arguments& arguments) {
     const auto bitrate = can::parse_bitrate(arguments.bitrate);
     if (!bitrate) return fail("--bitrate: " + bitrate.error(), usage_error);
-    if (const auto path = arguments.recordings.shared()) {
-        return fail("only one recording can go to " + *path, usage_error);
-    }
+    const auto conflict =
+        arguments.recordings.conflict({arguments.scenario_file, arguments.fault_file});
+    if (conflict) return fail(*conflict, usage_error);
     if (!arguments.scenario_file.empty()) return play(arguments, *bitrate);
     const auto address = can::parse_bus_address(arguments.listen);
     if (!address) return fail(address.error(), usage_error);
@@ -248,11 +262,9 @@ int run(const Arguments& arguments) {
     }
     if (arguments.status && !arguments.wants_bus) {
         const auto report = can::request_bus_report(*sim);
-        if (report) {
-            print(tools::bus_table(*report));
-            return 0;
-        }
+        if (report) return print(tools::bus_table(*report));
         if (!report.error().nobody_listens) return fail(report.error().reason);
+        if (!arguments.quiet) say("no bus runs at sim:" + sim->path + ": starting one");
     }
     return serve(arguments, *sim, *bitrate);
 }
@@ -277,7 +289,8 @@ int main(int argc, char** argv) {
                  "controllers leave bus-off by themselves, after 128 times 11 recessive bits");
     app.add_option("--fault", arguments.fault_file, "script of what goes wrong on the bus");
     app.add_option("--log", arguments.recordings.log,
-                   "write every frame to this file, as candump -l does; what it held is lost");
+                   "write every frame to this file, as candump -l does, with --play so that it "
+                   "can be played again; what it held is lost");
     app.add_option("--vcd", arguments.recordings.vcd,
                    "the same with every bit, for PulseView, GTKWave and sigrok-cli");
     app.add_option("--pcapng", arguments.recordings.pcapng,
@@ -285,7 +298,7 @@ int main(int argc, char** argv) {
     auto* const status =
         app.add_flag("--status", arguments.status,
                      "print bus load and nodes each second; with no option but --listen beside it, "
-                     "of the bus that runs there, once");
+                     "of the bus that runs there, once; where none runs, one is started");
     app.add_flag("--quiet", arguments.quiet, "say nothing about clients");
     auto* const scenario = app.add_option(
         "--play", arguments.scenario_file,

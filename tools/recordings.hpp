@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "orb/base/result.hpp"
 #include "orb/can/record/pcapng_writer.hpp"
@@ -13,16 +14,22 @@
 
 namespace canorb::tools {
 
+/// What the bus of a daemon is called in recordings.
+inline constexpr const char* bus_interface = "can0";
+
 /// Paths; an empty one is not recorded to.
 struct RecordingFiles {
     std::string log;  ///< frames as `candump -l` writes them
+    /// What the log has for interface; empty: the name of the sender, with _ for each space.
+    std::string log_interface;
     std::string vcd;
     std::string pcapng;
 
     bool any() const { return !log.empty() || !vcd.empty() || !pcapng.empty(); }
 
-    /// A path that two recordings have, which would spoil each other.
-    std::optional<std::string> shared() const;
+    /// Why this cannot be: two recordings, or one and a file of `inputs` (empty paths are none),
+    /// are the same file, under whatever names. A sentence for people.
+    std::optional<std::string> conflict(const std::vector<std::string>& inputs) const;
 };
 
 /// The files that a simulated bus is recorded to. When one cannot be written any further, that is
@@ -53,12 +60,18 @@ class Recordings {
     bool failed() const { return failed_; }
 
   private:
-    Recordings(can::sim::Bus& bus, Duration unix_time_offset, Complain complain)
-        : bus_(bus), unix_time_offset_(unix_time_offset), complain_(std::move(complain)) {}
+    Recordings(can::sim::Bus& bus, std::string log_interface, Duration unix_time_offset,
+               Complain complain)
+        : bus_(bus),
+          log_interface_(std::move(log_interface)),
+          unix_time_offset_(unix_time_offset),
+          complain_(std::move(complain)) {}
+    std::string log_interface(const can::sim::CompletedFrame& completed) const;
     void check(const std::string& error, bool& told);
     void check_vcd();
 
     can::sim::Bus& bus_;
+    std::string log_interface_;
     Duration unix_time_offset_;
     Complain complain_;
     std::optional<can::RecordFile> log_;

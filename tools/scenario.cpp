@@ -37,10 +37,11 @@ Result<Scenario, std::vector<std::string>> parse_scenario(std::string_view text)
         if (line.empty() || line[0] == '#') continue;
         const auto parsed = can::parse_candump(line);
         if (!parsed) {
-            errors.push_back(std::to_string(number) + ": " +
-                             std::string{can::name(parsed.error())} +
-                             "; a line is (SECONDS) NODE FRAME, for example "
-                             "(0.001000) pump-3 123#DEADBEEF");
+            errors.push_back(
+                std::to_string(number) + ": " + std::string{can::name(parsed.error())} +
+                (parsed.error() == can::CandumpError::time ? ", which has six decimals" : "") +
+                "; a line is (SECONDS) NODE FRAME, for example "
+                "(0.001000) pump-3 123#DEADBEEF");
         } else if (!is_classic(parsed->frame)) {
             errors.push_back(std::to_string(number) +
                              ": only data and remote frames of classic CAN can be played");
@@ -137,10 +138,16 @@ class Player {
             if (options_.error_trace) options_.error_trace(error);
             tell_error(error);
         });
+        bus.set_overload_trace([this](const can::sim::NodeOverload& overload) {
+            this->tell(
+                overload.time, bus_.name(overload.node),
+                "overload flag, for a dominant bit at " + can::sim::place_name(overload.position));
+        });
     }
     ~Player() {
         bus_.set_trace({});
         bus_.set_error_trace({});
+        bus_.set_overload_trace({});
     }
     Player(const Player&) = delete;
     Player& operator=(const Player&) = delete;
@@ -167,6 +174,7 @@ class Player {
                 tell(bus_.now(), node.name, pending.frame, "still waits");
             }
         }
+        advise_alone();
         return reporter.report(indices);
     }
 
@@ -268,6 +276,15 @@ class Player {
         if (statistics.lost_arbitrations != node.lost_arbitrations) return;
         node.losers = {};
         for (const Pending& pending : node.pending) node.losers.add(pending.frame);
+    }
+
+    /// A log whose lines all have one name is that of an interface, most often. Who has said when
+    /// it ends knows what is to come.
+    void advise_alone() const {
+        if (!options_.advise || options_.length || nodes_.size() != 1) return;
+        if (nodes_.front().pending.empty()) return;
+        options_.advise("nobody could acknowledge the frames of " + nodes_.front().name +
+                        ": name another node with --nodes");
     }
 
     static Frame take_pending(Node& node, can::TransmitHandle handle) {

@@ -40,6 +40,8 @@ struct PlayOptions {
     bool automatic_recovery = false;
     /// When to stop. Without, it is over when the bus is quiet, or 1 s after the last line.
     std::optional<Duration> length;
+    /// Is told, in a sentence for people, how to have what the scenario lacks.
+    std::function<void(const std::string&)> advise;
     /// What else wants to know of frames and errors.
     std::function<void(const can::sim::CompletedFrame&)> trace;
     std::function<void(const can::sim::NodeError&)> error_trace;

@@ -313,6 +313,9 @@ TEST_F(CanorbBus, SaysWhatIsWrong) {
                         "only one recording can go to"},
              BadCommand{{"--play", "/missing/x"}, "cannot read /missing/x", 1},
              BadCommand{{"--play", "/dev/null", "--for", "20"}, "--for takes a time such as 20ms"},
+             BadCommand{{"--play", "/dev/null", "--for", "99999999s"}, "at most 1000000s, not"},
+             BadCommand{{"--play", "/dev/null", "--nodes", ""}, "none is empty"},
+             BadCommand{{"--play", "/dev/null", "--nodes", "a,b,a"}, "--nodes has a twice"},
              BadCommand{{"--play", "/dev/null", "--listen", address()}, "--listen"},
              BadCommand{{"--nodes", "a"}, "--play"},
          }) {
@@ -530,7 +533,12 @@ TEST_F(CanorbBus, PlaysAScenario) {
                           "1000000 bit/s, 0.000118 s, load 100.00 %, 1 frame, 0 error frames\n"
                           "node    state "));
     EXPECT_THAT(play.text(), HasSubstr(script + ":1: this fault never acted\n"));
-    EXPECT_EQ(content(log), "(0000000000.000115) can0 123#DEADBEEF00000000\n");
+    EXPECT_EQ(content(log), "(0000000000.000115) pump-3 123#DEADBEEF00000000\n");
+    // It can be played again.
+    Process again = run({"--play", log, "--nodes", "valve", "--bitrate", "1000000"});
+    EXPECT_EQ(again.wait(), 0);
+    EXPECT_THAT(again.text(),
+                StartsWith("  0.000230  pump-3  123#DEADBEEF00000000  received by valve\n"));
 }
 
 TEST_F(CanorbBus, SaysWhereAScenarioIsWrong) {
@@ -539,6 +547,67 @@ TEST_F(CanorbBus, SaysWhereAScenarioIsWrong) {
     EXPECT_EQ(play.wait(), 2);
     EXPECT_THAT(play.text(), StartsWith(scenario + ":2: bad time stamp"));
     EXPECT_THAT(play.text(), HasSubstr("\n" + scenario + ":3: bad identifier"));
+}
+
+TEST_F(CanorbBus, DoesNotRecordOverWhatItReads) {
+    const std::string text = "(0.000000) a 123#00\n(0.000000) b 124#00\n";
+    const std::string scenario = file("scenario", text);
+    const std::string script = file("faults", "# nothing\n");
+    const std::string symbolic = directory_.path() + "/symbolic";
+    const std::string hard = directory_.path() + "/hard";
+    std::filesystem::create_symlink("scenario", symbolic);
+    std::filesystem::create_hard_link(scenario, hard);
+    for (const std::string& log : {scenario, symbolic, hard, directory_.path() + "/./scenario"}) {
+        Process play = run({"--play", scenario, "--log", log});
+        EXPECT_EQ(play.wait(), 2);
+        EXPECT_EQ(play.text(),
+                  "canorb-bus: no recording can go to " + log + ": " + scenario + " is read\n");
+        EXPECT_EQ(content(scenario), text);
+    }
+    for (const std::string& other : {"--listen=" + address(), "--play=" + scenario}) {
+        Process bus = run({other, "--fault", script, "--vcd", script});
+        EXPECT_EQ(bus.wait(), 2);
+        EXPECT_EQ(content(script), "# nothing\n");
+    }
+    Process pipes = run({"--play", "/dev/null", "--log", "/dev/null", "--vcd", "/dev/null"});
+    EXPECT_EQ(pipes.wait(), 0) << pipes.text();
+}
+
+TEST_F(CanorbBus, DoesNotRecordTwiceToOneFile) {
+    // Neither of them exists before.
+    const std::string recording = directory_.path() + "/recording";
+    const std::string symbolic = directory_.path() + "/symbolic";
+    std::filesystem::create_symlink("recording", symbolic);
+    Process play = run({"--play", "/dev/null", "--log", recording, "--pcapng", symbolic});
+    EXPECT_EQ(play.wait(), 2);
+    EXPECT_THAT(play.text(), HasSubstr("only one recording can go to " + recording));
+    EXPECT_FALSE(std::filesystem::exists(recording));
+}
+
+TEST_F(CanorbBus, SaysThatStandardOutputCannotBeWritten) {
+    const std::string scenario = file("scenario", "(0.000000) a 123#00\n(0.000000) b 124#00\n");
+    Process play = Process::program(
+        {"/bin/bash", "-c", "exec " CANORB_BUS " --play " + scenario + " >/dev/full"});
+    EXPECT_EQ(play.wait(), 1);
+    EXPECT_EQ(play.text(),
+              "canorb-bus: cannot write all of standard output: No space left on device\n");
+}
+
+TEST_F(CanorbBus, SaysThatItStartsABusWhereNoneRuns) {
+    Process bus = run({"--listen", address(), "--status"});
+    ASSERT_TRUE(bus.says("bit/s\n"));
+    EXPECT_THAT(bus.text(),
+                StartsWith("canorb-bus: no bus runs at " + address() + ": starting one\n"));
+    bus.send_signal(SIGTERM);
+    EXPECT_EQ(bus.wait(), 0);
+}
+
+TEST_F(CanorbBus, AdvisesAnotherNodeForALogOfOneName) {
+    const std::string scenario = file("scenario", "(0.000000) can0 123#00\n");
+    Process play = run({"--play", scenario});
+    EXPECT_EQ(play.wait(), 0);
+    EXPECT_THAT(play.text(), HasSubstr("canorb-bus: nobody could acknowledge the frames of can0: "
+                                       "name another node with --nodes\n"));
 }
 
 TEST_F(CanorbBus, CannotWriteARecordingOfAScenario) {

@@ -89,12 +89,14 @@ TEST(Scenario, SaysWhatIsWrongInWhichLine) {
         "(0.000000) a 123##0112233\n"
         "(0.000000) a 20000004#0000000000000000");
     ASSERT_FALSE(scenario);
-    EXPECT_THAT(scenario.error(),
-                ElementsAre(HasSubstr("1: bad time stamp; a line is (SECONDS) NODE FRAME"),
-                            HasSubstr("3: bad identifier"), HasSubstr("4: bad interface"),
-                            HasSubstr("5: text after the frame"),
-                            "6: only data and remote frames of classic CAN can be played",
-                            "7: only data and remote frames of classic CAN can be played"));
+    EXPECT_THAT(
+        scenario.error(),
+        ElementsAre(
+            HasSubstr("1: bad time stamp, which has six decimals; a line is (SECONDS) NODE FRAME"),
+            HasSubstr("3: bad identifier"), HasSubstr("4: bad interface"),
+            HasSubstr("5: text after the frame"),
+            "6: only data and remote frames of classic CAN can be played",
+            "7: only data and remote frames of classic CAN can be played"));
 }
 
 TEST(Scenario, DurationsHaveUnits) {
@@ -193,6 +195,7 @@ TEST(Play, TellsWhoHasAFrameThatItsSenderRepeats) {
         result.events,
         "  0.000114  b  form error at eof.6, receiving, active flag, TEC 0, REC 1\n"
         "  0.000115  a  form error at eof.7, sending, active flag, TEC 8, REC 0\n"
+        "  0.000115  c  overload flag, for a dominant bit at eof.7\n"
         "  0.000115  a  123#DEADBEEF00000000  received by c, not by b; not sent as a sees it\n"
         "  0.000247  a  123#DEADBEEF00000000  received by b, c\n");
     // b: 1, 8 for the dominant bit after its own flag, and 1 less for the good frame.
@@ -235,6 +238,22 @@ TEST(Play, TellsOfFramesThatCannotBeHandedOver) {
 TEST(Play, EndsASecondAfterTheLastLineWhileFaultsAreToCome) {
     EXPECT_THAT(played(one_frame, with_listeners({"b"}), "at 100us every 1s flip wire").table,
                 testing::StartsWith("1000000 bit/s, 1.000000 s"));
+}
+
+TEST(Play, AdvisesAnotherNodeWhereOneIsAloneWithItsFrames) {
+    std::string advice;
+    const auto play_with = [&](PlayOptions options) {
+        advice.clear();
+        options.advise = [&](const std::string& sentence) { advice += sentence; };
+        events("(0.000000) can0 123#\n(0.000000) can0 124#\n", options);
+        return advice;
+    };
+    EXPECT_EQ(play_with({}),
+              "nobody could acknowledge the frames of can0: name another node with --nodes");
+    EXPECT_EQ(play_with(with_listeners({"b"})), "");
+    PlayOptions options;
+    options.length = 1ms;
+    EXPECT_EQ(play_with(options), "");
 }
 
 TEST(Play, EndsWhenItIsToldTo) {
