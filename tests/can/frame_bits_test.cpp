@@ -5,29 +5,14 @@
 #include <random>
 #include <string>
 
-#include "tests/support/octets.hpp"
+#include "tests/can/frames.hpp"
 
 namespace canorb::can {
 namespace {
 
-using test::octets;
-
-Frame standard(std::uint32_t id, std::string_view data) {
-    return Frame::standard(id, octets(data));
-}
-
-Frame extended(std::uint32_t id, std::string_view data) {
-    Frame frame = standard(0, data);
-    frame.id = id;
-    frame.extended = true;
-    return frame;
-}
-
-Frame remote(Frame frame, std::uint8_t length) {
-    frame.remote = true;
-    frame.length = length;
-    return frame;
-}
+using test::extended;
+using test::remote;
+using test::standard;
 
 /// Fields apart by blanks, octets by dots, stuff bits in parentheses.
 std::string text(const FrameBits& frame) {

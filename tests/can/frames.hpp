@@ -6,8 +6,8 @@
 #include "orb/can/frame.hpp"
 #include "tests/support/octets.hpp"
 
-// Frames in a few words, for tests of the bus.
-namespace canorb::can::sim::test {
+// Frames in a few words.
+namespace canorb::can::test {
 
 inline Frame standard(std::uint32_t id, std::string_view data = "") {
     return Frame::standard(id, canorb::test::octets(data));
@@ -24,5 +24,13 @@ inline Frame remote(Frame frame, std::uint8_t dlc = 0) {
     frame.length = dlc;
     return frame;
 }
+
+}  // namespace canorb::can::test
+
+namespace canorb::can::sim::test {
+
+using can::test::extended;
+using can::test::remote;
+using can::test::standard;
 
 }  // namespace canorb::can::sim::test
