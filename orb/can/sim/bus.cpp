@@ -171,12 +171,7 @@ BusStatistics Bus::statistics() const {
         statistics.busy_bits += over - bit_;
     } else if (idle_) {
         const std::uint64_t over = bits_within(time_ - anchor_);
-        int intermission = 0;
-        for (const std::size_t i : present_) {
-            intermission = std::max(intermission, nodes_[i]->processor.intermission_left());
-        }
-        statistics.busy_bits += std::min<std::uint64_t>(over - std::min(over, bit_),
-                                                        static_cast<std::uint64_t>(intermission));
+        statistics.busy_bits += std::min(over - std::min(over, bit_), intermission_left());
     }
     // Frames that begin off the grid of the bits before them cost a fraction of a nanosecond each.
     statistics.elapsed_bits = std::max(bits_within(time_ - start_), statistics.busy_bits);

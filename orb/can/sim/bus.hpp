@@ -146,6 +146,11 @@ class Bus {
         bool predictable = false;
         /// It is repeated, for nobody acknowledges it and its sender is error passive already.
         bool fruitless = false;
+
+        /// SOF to the end of the intermission, undisturbed.
+        std::uint64_t bits() const {
+            return winner->bits.size + frame_tail_bits + intermission_bits;
+        }
     };
 
     /// A frame that is simulated in one step.
@@ -171,6 +176,7 @@ class Bus {
     std::uint64_t bit_at(TimePoint time) const;
 
     // Between frames.
+    std::uint64_t intermission_left() const;
     void settle_idle(TimePoint to);
     void move_grid_to(TimePoint start);
     TimePoint next_recovery() const;
@@ -180,6 +186,7 @@ class Bus {
     bool would_start(const Node& node, TimePoint start, bool idle) const;
     bool step_idle(TimePoint to);
     void begin_frame(TimePoint start, TimePoint to);
+    bool ask_disturbance(const Plan& plan);
     void skip_fruitless(const Plan& plan, TimePoint to);
 
     // A frame in one step.

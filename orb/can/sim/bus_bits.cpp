@@ -40,16 +40,10 @@ void Bus::begin_bit() {
     bit_begun_ = true;
     if (!may_start_) return;
     may_start_ = false;
-    const TimePoint start = time_of(bit_);
-    const Plan next = plan(start, false);
+    const Plan next = plan(time_of(bit_), false);
     if (next.winner == nullptr) return;
-    bool disturbed = false;
-    if (disturbance_ != nullptr) {
-        const std::size_t length = next.winner->bits.size + frame_tail_bits + intermission_bits;
-        disturbed = disturbance_->begin_frame(
-            {next.winner->frame, next.sender, start, time_of(bit_ + length)});
-        look_for_disturbance();
-    }
+    const bool disturbed = ask_disturbance(next);
+    look_for_disturbance();
     start_nodes(next, disturbed);
 }
 
@@ -72,7 +66,7 @@ void Bus::start_nodes(const Plan& plan, bool disturbed) {
     if (others_are_through) in_error_ = false;
     planned_ = plan.sender;
     frame_disturbed_ = disturbed;
-    frame_end_bit_ = bit_ + plan.winner->bits.size + frame_tail_bits + intermission_bits;
+    frame_end_bit_ = bit_ + plan.bits();
     may_start_ = false;
 }
 

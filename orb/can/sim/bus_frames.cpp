@@ -35,6 +35,15 @@ std::uint8_t lost_at(std::uint32_t loser, std::uint32_t winner) {
 
 // ---- between frames
 
+/// Of the frame that is over, in bits after the last one that is counted.
+std::uint64_t Bus::intermission_left() const {
+    int left = 0;
+    for (const std::size_t i : present_) {
+        left = std::max(left, nodes_[i]->processor.intermission_left());
+    }
+    return static_cast<std::uint64_t>(left);
+}
+
 /// Lets whole bits pass that are recessive for all.
 void Bus::settle_idle(TimePoint to) {
     const std::uint64_t over = bit_at(to);
@@ -42,13 +51,11 @@ void Bus::settle_idle(TimePoint to) {
     const std::uint64_t bits = over - bit_;
     bit_ = over;
     recessive_bits_ += bits;
-    int intermission = 0;
+    statistics_.busy_bits += std::min(bits, intermission_left());
     for (const std::size_t i : present_) {
         Node& node = *nodes_[i];
-        intermission = std::max(intermission, node.processor.intermission_left());
         if (node.processor.skip_recessive(bits) != 0) node.tell_status(to);
     }
-    statistics_.busy_bits += std::min(bits, static_cast<std::uint64_t>(intermission));
 }
 
 /// Bits are counted from `start` on.
@@ -114,7 +121,7 @@ Bus::Plan Bus::plan(TimePoint start, bool idle) const {
         }
         const auto bits = processor.bits_to_start();
         const bool joins_later =
-            idle && processor.is_integrating() && (!bits || time_of(bit_ + *bits) > start);
+            idle && processor.is_integrating() && time_of(bit_ + *bits) > start;
         if (joins_later) {
             alone = false;
             continue;
@@ -172,12 +179,9 @@ void Bus::begin_frame(TimePoint start, TimePoint to) {
     settle_idle(start);
     move_grid_to(start);
     const Plan next = plan(start, true);
-    bool disturbed = false;
-    if (disturbance_ != nullptr) {
-        const std::size_t length = next.winner->bits.size + frame_tail_bits + intermission_bits;
-        const PlannedFrame planned{next.winner->frame, next.sender, start, time_of(bit_ + length)};
-        disturbed = disturbance_->begin_frame(planned) || disturbance_->next(start) < planned.end;
-    }
+    const bool disturbed =
+        ask_disturbance(next) ||
+        (disturbance_ != nullptr && disturbance_->next(start) < time_of(bit_ + next.bits()));
     if (next.predictable && !disturbed && observer_ == nullptr && fidelity_ == Fidelity::frames) {
         begin_jump(next);
         return;
@@ -193,6 +197,13 @@ void Bus::begin_frame(TimePoint start, TimePoint to) {
     bit_begun_ = true;
 }
 
+/// Once for each attempt to send a frame: whether it wants to see every bit of it.
+bool Bus::ask_disturbance(const Plan& plan) {
+    if (disturbance_ == nullptr) return false;
+    return disturbance_->begin_frame(
+        {plan.winner->frame, plan.sender, plan.start, time_of(bit_ + plan.bits())});
+}
+
 /// Leaves out whole attempts that begin before `to`, all but the last.
 void Bus::skip_fruitless(const Plan& plan, TimePoint to) {
     constexpr std::uint64_t passive_flag_and_delimiter = 6 + 8;
@@ -202,9 +213,10 @@ void Bus::skip_fruitless(const Plan& plan, TimePoint to) {
     std::uint64_t begun = bit_at(to);
     if (time_of(begun) < to) ++begun;
     const std::uint64_t attempts = (begun - 1 - bit_) / period;
+    if (attempts == 0) return;
     for (const std::size_t i : present_) {
         Node& node = *nodes_[i];
-        if (attempts == 0 || !would_start(node, plan.start, true)) continue;
+        if (!would_start(node, plan.start, true)) continue;
         node.statistics.errors += attempts;
         node.statistics.last_error =
             ErrorCapture{ErrorKind::acknowledgment, {FrameField::ack_slot, 0, false}, true};
