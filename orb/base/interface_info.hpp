@@ -26,6 +26,9 @@ constexpr std::uint16_t crc16_ccitt_false(std::string_view text) {
 struct InterfaceInfo {
     std::string_view repository_id;                 ///< "IDL:Devices/Motor:1.0"
     std::span<const InterfaceInfo* const> bases{};  ///< direct bases, declaration order
+    /// CRC-32 of all that the interface means on the wire (doc/evolution.md); 0: not known, written
+    /// by hand.
+    std::uint32_t structural_hash = 0;
 
     /// What a group Request carries as object_key to name this interface: the CRC of the
     /// repository id, 1 where that is 0, because 0 means "unchecked".
