@@ -1,5 +1,8 @@
 #include "idlc/ast.hpp"
 
+#include <array>
+#include <charconv>
+#include <cstdio>
 #include <type_traits>
 
 namespace canorb::idlc::ast {
@@ -12,6 +15,8 @@ std::string_view name(TypeKind kind) {
             return "boolean";
         case TypeKind::character:
             return "char";
+        case TypeKind::wide_character:
+            return "wchar";
         case TypeKind::octet:
             return "octet";
         case TypeKind::int8:
@@ -34,12 +39,22 @@ std::string_view name(TypeKind kind) {
             return "float";
         case TypeKind::float64:
             return "double";
+        case TypeKind::float128:
+            return "long double";
+        case TypeKind::fixed:
+            return "fixed";
+        case TypeKind::any:
+            return "any";
         case TypeKind::object:
             return "Object";
         case TypeKind::string:
             return "string";
+        case TypeKind::wide_string:
+            return "wstring";
         case TypeKind::sequence:
             return "sequence";
+        case TypeKind::map:
+            return "map";
         case TypeKind::name:
             break;
     }
@@ -79,6 +94,49 @@ std::string_view symbol(Operator op) {
     return "";
 }
 
+/// Hexadecimal digits, as many as asked for.
+std::string hex(unsigned value, int digits) {
+    std::string text;
+    for (int shift = 4 * (digits - 1); shift >= 0; shift -= 4) {
+        text += "0123456789abcdef"[(value >> shift) & 0xF];
+    }
+    return text;
+}
+
+/// What is not printable ASCII as an escape.
+template <typename Text>
+std::string quoted(const Text& content, char quote) {
+    std::string text{quote};
+    for (const auto unit : content) {
+        const auto value = static_cast<unsigned>(
+            static_cast<std::make_unsigned_t<std::decay_t<decltype(unit)>>>(unit));
+        if (value == '\\' || value == static_cast<unsigned char>(quote)) text += '\\';
+        if (value >= ' ' && value < 127) {
+            text += static_cast<char>(value);
+        } else if (value == '\n') {
+            text += "\\n";
+        } else {
+            text += sizeof unit == 1 ? "\\x" + hex(value, 2) : "\\u" + hex(value, 4);
+        }
+    }
+    return text + quote;
+}
+
+/// The shortest digits that read as the same double. Numbers that no double holds have the digits
+/// that any machine's long double has.
+std::string to_string(long double value) {
+    std::array<char, 64> buffer{};
+    const auto narrow = static_cast<double>(value);
+    const bool fits = value == 0 || (narrow != 0 && narrow - narrow == 0);
+    if (!fits) {
+        std::snprintf(buffer.data(), buffer.size(), "%.15Lg", value);
+        return buffer.data();
+    }
+    const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), narrow).ptr;
+    std::string text{buffer.data(), end};
+    return text.find_first_of(".e") == std::string::npos ? text + ".0" : text;
+}
+
 std::string to_string(const Literal& literal) {
     return std::visit(
         [](const auto& value) -> std::string {
@@ -86,9 +144,17 @@ std::string to_string(const Literal& literal) {
             if constexpr (std::is_same_v<T, bool>) {
                 return value ? "TRUE" : "FALSE";
             } else if constexpr (std::is_same_v<T, char>) {
-                return std::string{"'"} + value + "'";
+                return quoted(std::string_view{&value, 1}, '\'');
             } else if constexpr (std::is_same_v<T, StringLiteral>) {
-                return '"' + value.value + '"';
+                return quoted(value.value, '"');
+            } else if constexpr (std::is_same_v<T, WideCharacterLiteral>) {
+                return 'L' + quoted(std::u16string_view{&value.value, 1}, '\'');
+            } else if constexpr (std::is_same_v<T, WideStringLiteral>) {
+                return 'L' + quoted(value.value, '"');
+            } else if constexpr (std::is_same_v<T, FixedLiteral>) {
+                return value.digits + 'd';
+            } else if constexpr (std::is_same_v<T, long double>) {
+                return to_string(value);
             } else {
                 return std::to_string(value);
             }
@@ -108,8 +174,12 @@ std::string to_string(const Expression& expression) {
 std::string to_string(const Type& type) {
     if (type.kind == TypeKind::name) return to_string(type.name);
     std::string arguments;
-    if (!type.element.empty()) arguments = to_string(type.element.front());
-    if (type.bound) arguments += (arguments.empty() ? "" : ", ") + to_string(*type.bound);
+    const auto add = [&](const std::string& argument) {
+        arguments += (arguments.empty() ? "" : ", ") + argument;
+    };
+    for (const Type& element : type.elements) add(to_string(element));
+    if (type.bound) add(to_string(*type.bound));
+    if (type.scale) add(to_string(*type.scale));
     std::string text{name(type.kind)};
     return arguments.empty() ? text : text + '<' + arguments + '>';
 }
@@ -132,18 +202,55 @@ std::string names(std::string_view before, const std::vector<ScopedName>& list,
     return text;
 }
 
+std::string to_string(const Annotation& annotation) {
+    std::string text = '@' + to_string(annotation.name);
+    std::string arguments;
+    for (const AnnotationArgument& argument : annotation.arguments) {
+        if (!arguments.empty()) arguments += ", ";
+        if (argument.name) arguments += argument.name->text + " = ";
+        arguments += to_string(argument.value);
+    }
+    return arguments.empty() ? text : text + '(' + arguments + ')';
+}
+
+/// All on the line of what they belong to, each with a space behind it.
+std::string inlined(const std::vector<Annotation>& annotations) {
+    std::string text;
+    for (const Annotation& annotation : annotations) text += to_string(annotation) + ' ';
+    return text;
+}
+
+std::string to_string(const std::vector<Enumerator>& enumerators) {
+    std::string text;
+    for (const Enumerator& enumerator : enumerators) {
+        text += ' ' + inlined(enumerator.annotations) + enumerator.name.text;
+    }
+    return text;
+}
+
+std::string_view prefix(InterfaceKind kind) {
+    switch (kind) {
+        case InterfaceKind::plain:
+            break;
+        case InterfaceKind::local:
+            return "local ";
+        case InterfaceKind::abstract:
+            return "abstract ";
+    }
+    return "";
+}
+
+std::string contexts(const std::vector<std::string>& list) {
+    std::string text;
+    for (const std::string& one : list) text += (text.empty() ? "" : ", ") + quoted(one, '"');
+    return text.empty() ? text : " context (" + text + ')';
+}
+
 class Dump {
   public:
     void declarations(const std::vector<Declaration>& list) {
         for (const Declaration& declaration : list) {
-            for (const std::string& comment : declaration.comment) line(comment);
-            for (const Annotation& annotation : declaration.annotations) {
-                std::string arguments;
-                for (const Expression& argument : annotation.arguments) {
-                    arguments += (arguments.empty() ? "" : ", ") + to_string(argument);
-                }
-                line('@' + annotation.name.text + '(' + arguments + ')');
-            }
+            before(declaration.comment, declaration.annotations);
             std::visit([&](const auto& body) { show(declaration.name.text, body); },
                        declaration.body);
         }
@@ -153,17 +260,26 @@ class Dump {
 
   private:
     void line(const std::string& content) { text += std::string(2 * depth_, ' ') + content + '\n'; }
+    void before(const std::vector<std::string>& comments,
+                const std::vector<Annotation>& annotations) {
+        for (const std::string& comment : comments) line(comment);
+        for (const Annotation& annotation : annotations) line(to_string(annotation));
+    }
     void nested(const std::vector<Declaration>& list) {
         ++depth_;
         declarations(list);
         --depth_;
     }
+    void member(const std::string& label, const Member& member) {
+        declarations(member.declared);
+        before(member.comment, member.annotations);
+        line(label + to_string(member.type) + ' ' + member.name.text +
+             dimensions(member.dimensions) +
+             (member.default_value ? " default " + to_string(*member.default_value) : ""));
+    }
     void members(const std::vector<Member>& list) {
         ++depth_;
-        for (const Member& member : list) {
-            for (const std::string& comment : member.comment) line(comment);
-            line(to_string(member.type) + ' ' + member.name.text + dimensions(member.dimensions));
-        }
+        for (const Member& one : list) member("", one);
         --depth_;
     }
 
@@ -175,15 +291,29 @@ class Dump {
         line("const " + to_string(constant.type) + ' ' + name + " = " + to_string(constant.value));
     }
     void show(const std::string& name, const Enum& enumeration) {
-        std::string enumerators;
-        for (const Enumerator& enumerator : enumeration.enumerators) {
-            enumerators += ' ' + enumerator.name.text;
-        }
-        line("enum " + name + ':' + enumerators);
+        line("enum " + name + ':' + to_string(enumeration.enumerators));
+    }
+    void show(const std::string& name, const Bitmask& bitmask) {
+        line("bitmask " + name + ':' + to_string(bitmask.flags));
     }
     void show(const std::string& name, const Struct& structure) {
-        line("struct " + name);
+        line("struct " + name + (structure.base ? ": " + to_string(*structure.base) : ""));
         members(structure.members);
+    }
+    void show(const std::string& name, const Union& one) {
+        line("union " + name + " switch (" + inlined(one.discriminator_annotations) +
+             to_string(one.discriminator) + ')');
+        nested(one.declared);
+        ++depth_;
+        for (const UnionCase& branch : one.cases) {
+            std::string labels;
+            for (const UnionLabel& label : branch.labels) {
+                labels += label.value ? "case " + to_string(*label.value) : "default";
+                labels += ": ";
+            }
+            member(labels, branch.member);
+        }
+        --depth_;
     }
     void show(const std::string& name, const Exception& exception) {
         line("exception " + name);
@@ -192,11 +322,19 @@ class Dump {
     void show(const std::string& name, const Alias& alias) {
         line("typedef " + to_string(alias.type) + ' ' + name + dimensions(alias.dimensions));
     }
-    void show(const std::string& name, const ForwardInterface&) {
-        line("interface " + name + " (forward)");
+    void show(const std::string& name, const Native&) { line("native " + name); }
+    void show(const std::string& name, const ForwardStruct&) {
+        line("struct " + name + " (forward)");
+    }
+    void show(const std::string& name, const ForwardUnion&) {
+        line("union " + name + " (forward)");
+    }
+    void show(const std::string& name, const ForwardInterface& interface) {
+        line(std::string{prefix(interface.kind)} + "interface " + name + " (forward)");
     }
     void show(const std::string& name, const Interface& interface) {
-        line("interface " + name + names(": ", interface.bases, ""));
+        line(std::string{prefix(interface.kind)} + "interface " + name +
+             names(": ", interface.bases, ""));
         nested(interface.body);
     }
     void show(const std::string& name, const Attribute& attribute) {
@@ -210,12 +348,34 @@ class Dump {
         for (const Parameter& parameter : operation.parameters) {
             constexpr std::string_view directions[] = {"in ", "out ", "inout "};
             if (!parameters.empty()) parameters += ", ";
+            parameters += inlined(parameter.annotations);
             parameters += directions[static_cast<std::size_t>(parameter.direction)];
             parameters += to_string(parameter.type) + ' ' + parameter.name.text;
         }
         line(std::string{operation.oneway ? "oneway " : ""} +
              (operation.result ? to_string(*operation.result) : "void") + ' ' + name + '(' +
-             parameters + ')' + names(" raises (", operation.raises, ")"));
+             parameters + ')' + names(" raises (", operation.raises, ")") +
+             contexts(operation.context));
+    }
+    void show(const std::string&, const IdDirective& directive) {
+        const std::string of = to_string(directive.name) + ' ';
+        switch (directive.kind) {
+            case IdDirective::Kind::prefix:
+                return line("#pragma prefix " + quoted(directive.text, '"'));
+            case IdDirective::Kind::id:
+                return line("#pragma ID " + of + quoted(directive.text, '"'));
+            case IdDirective::Kind::version:
+                return line("#pragma version " + of + directive.text);
+            case IdDirective::Kind::type_prefix:
+                return line("typeprefix " + of + quoted(directive.text, '"'));
+            case IdDirective::Kind::type_id:
+                return line("typeid " + of + quoted(directive.text, '"'));
+        }
+    }
+    void show(const std::string& name, const AnnotationType& annotation) {
+        line("@annotation " + name);
+        nested(annotation.declared);
+        members(annotation.members);
     }
 
     std::size_t depth_ = 0;

@@ -31,7 +31,21 @@ struct StringLiteral {
     std::string value;
 };
 
-using Literal = std::variant<std::uint64_t, double, char, StringLiteral, bool>;
+struct WideCharacterLiteral {
+    char16_t value = 0;
+};
+
+struct WideStringLiteral {
+    std::u16string value;
+};
+
+/// "12.50", of 12.50d: digits, with or without a point.
+struct FixedLiteral {
+    std::string digits;
+};
+
+using Literal = std::variant<std::uint64_t, long double, char, bool, StringLiteral,
+                             WideCharacterLiteral, WideStringLiteral, FixedLiteral>;
 
 enum class Operator : std::uint8_t {
     literal,
@@ -62,6 +76,7 @@ struct Expression {
 enum class TypeKind : std::uint8_t {
     boolean,
     character,
+    wide_character,
     octet,
     int8,
     uint8,
@@ -73,18 +88,34 @@ enum class TypeKind : std::uint8_t {
     uint64,
     float32,
     float64,
+    float128,  ///< long double
+    fixed,
+    any,
     object,
     string,
+    wide_string,
     sequence,
-    name,
+    map,
+    name,  ///< a user's type, or int8 to uint64 where nobody declared something of that name
 };
 
 struct Type {
     TypeKind kind = TypeKind::int32;
     Location where;
     ScopedName name;                  ///< of a TypeKind::name
-    std::vector<Type> element;        ///< of a sequence: one
-    std::optional<Expression> bound;  ///< of a string or sequence
+    std::vector<Type> elements;       ///< of a sequence: one; of a map: the key's and the value's
+    std::optional<Expression> bound;  ///< of a string, sequence or map; the digits of a fixed
+    std::optional<Expression> scale;  ///< of a fixed
+};
+
+struct AnnotationArgument {
+    std::optional<Identifier> name;
+    Expression value;
+};
+
+struct Annotation {
+    ScopedName name;
+    std::vector<AnnotationArgument> arguments;
 };
 
 struct Declaration;
@@ -101,20 +132,29 @@ struct Constant {
 struct Enumerator {
     Identifier name;
     std::vector<std::string> comment;
+    std::vector<Annotation> annotations;
 };
 
 struct Enum {
     std::vector<Enumerator> enumerators;
 };
 
+struct Bitmask {
+    std::vector<Enumerator> flags;
+};
+
 struct Member {
+    std::vector<Declaration> declared;  ///< the type that is declared in place: none or one
     Type type;
     Identifier name;
-    std::vector<Expression> dimensions;  ///< of an array
+    std::vector<Expression> dimensions;       ///< of an array
+    std::optional<Expression> default_value;  ///< only of an annotation's member
     std::vector<std::string> comment;
+    std::vector<Annotation> annotations;
 };
 
 struct Struct {
+    std::optional<ScopedName> base;
     std::vector<Member> members;
 };
 
@@ -122,14 +162,41 @@ struct Exception {
     std::vector<Member> members;
 };
 
+struct UnionLabel {
+    Location where;
+    std::optional<Expression> value;  ///< nothing: default
+};
+
+struct UnionCase {
+    std::vector<UnionLabel> labels;
+    Member member;
+};
+
+struct Union {
+    std::vector<Declaration> declared;  ///< the enum that is declared in switch ( ): none or one
+    Type discriminator;
+    std::vector<Annotation> discriminator_annotations;
+    std::vector<UnionCase> cases;
+};
+
 struct Alias {
     Type type;
     std::vector<Expression> dimensions;
 };
 
-struct ForwardInterface {};
+struct Native {};
+
+struct ForwardStruct {};
+struct ForwardUnion {};
+
+enum class InterfaceKind : std::uint8_t { plain, local, abstract };
+
+struct ForwardInterface {
+    InterfaceKind kind = InterfaceKind::plain;
+};
 
 struct Interface {
+    InterfaceKind kind = InterfaceKind::plain;
     std::vector<ScopedName> bases;
     std::vector<Declaration> body;
 };
@@ -147,6 +214,7 @@ struct Parameter {
     Direction direction = Direction::in;
     Type type;
     Identifier name;
+    std::vector<Annotation> annotations;
 };
 
 struct Operation {
@@ -154,11 +222,23 @@ struct Operation {
     std::optional<Type> result;  ///< nothing: void
     std::vector<Parameter> parameters;
     std::vector<ScopedName> raises;
+    std::vector<std::string> context;
 };
 
-struct Annotation {
-    Identifier name;
-    std::vector<Expression> arguments;
+/// What names repository ids: #pragma prefix, ID, version, and typeprefix, typeid. Its
+/// declaration's own name is empty; `where` of that name is the directive's place.
+struct IdDirective {
+    enum class Kind : std::uint8_t { prefix, id, version, type_prefix, type_id };
+
+    Kind kind = Kind::prefix;
+    ScopedName name;   ///< of what; empty of a #pragma prefix
+    std::string text;  ///< the prefix, the id, "2.3"
+};
+
+/// @annotation Name { ... }: from then on its use is no unknown annotation.
+struct AnnotationType {
+    std::vector<Declaration> declared;  ///< enums, constants and typedefs inside of it
+    std::vector<Member> members;
 };
 
 /// One name: a typedef of two names is two declarations.
@@ -166,8 +246,9 @@ struct Declaration {
     Identifier name;
     std::vector<std::string> comment;
     std::vector<Annotation> annotations;
-    std::variant<Module, Constant, Enum, Struct, Exception, Alias, ForwardInterface, Interface,
-                 Attribute, Operation>
+    std::variant<Module, Constant, Enum, Bitmask, Struct, Union, Exception, Alias, Native,
+                 ForwardStruct, ForwardUnion, ForwardInterface, Interface, Attribute, Operation,
+                 IdDirective, AnnotationType>
         body;
 };
 

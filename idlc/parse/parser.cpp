@@ -85,7 +85,7 @@ class Parser : public TypeParser {
         if (current().kind != TokenKind::identifier && current().kind != TokenKind::keyword) {
             fail_expected("the annotation's name after '@'");
         }
-        annotation.name = {std::string{current().text}, current().where};
+        annotation.name.parts.push_back({std::string{current().text}, current().where});
         advance();
         if (!take("(")) return annotation;
         if (take(")")) return annotation;
@@ -93,7 +93,7 @@ class Parser : public TypeParser {
             if (current().kind == TokenKind::identifier && next().text == "=") {
                 fail("named arguments of annotations are not supported yet");
             }
-            annotation.arguments.push_back(expression());
+            annotation.arguments.push_back({std::nullopt, expression()});
         } while (take(","));
         expect(")", "the annotation's arguments");
         return annotation;
@@ -298,7 +298,7 @@ class Parser : public TypeParser {
             if (is("@")) fail("annotations of enumerators are not supported yet");
             std::vector<std::string> comment = current().comment;
             enumeration.enumerators.push_back(
-                {identifier("the name of an enumerator"), std::move(comment)});
+                {identifier("the name of an enumerator"), std::move(comment), {}});
         } while (take(","));
         expect("}", "the enumerators");
         declared.body = std::move(enumeration);
@@ -310,7 +310,7 @@ class Parser : public TypeParser {
         ast::Declaration declared = declaration(head, identifier("the struct's name"));
         if (is(";")) fail("forward declared structs are not supported yet");
         if (is(":")) fail("structs that inherit are not supported yet");
-        ast::Struct structure;
+        ast::Struct structure{};
         structure.members = members("the struct's name");
         if (structure.members.empty()) {
             diagnostics_.error(declared.name.where, "a struct has at least one member");
@@ -341,7 +341,10 @@ class Parser : public TypeParser {
             }
             const ast::Type type = this->type();
             do {
-                ast::Member member{type, identifier("the member's name"), {}, comment};
+                ast::Member member;
+                member.type = type;
+                member.name = identifier("the member's name");
+                member.comment = comment;
                 member.dimensions = dimensions();
                 members.push_back(std::move(member));
             } while (take(","));

@@ -39,7 +39,7 @@ ast::Type TypeParser::type() {
 void TypeParser::sequence(ast::Type& type) {
     type.kind = TypeKind::sequence;
     expect("<", "'sequence'");
-    type.element.push_back(this->type());
+    type.elements.push_back(this->type());
     if (take(",")) type.bound = bound();
     expect_closing_angle();
 }
@@ -175,12 +175,12 @@ std::uint64_t TypeParser::integer(const Token& token) {
     return value;
 }
 
-double TypeParser::floating(const Token& token) {
-    double value = 0;
+long double TypeParser::floating(const Token& token) {
+    long double value = 0;
     const char* end = token.text.data() + token.text.size();
     const auto [rest, error] = std::from_chars(token.text.data(), end, value);
     if (error != std::errc{}) {
-        diagnostics_.error(token.where, "this number is out of the range of double");
+        diagnostics_.error(token.where, "this number is out of the range of long double");
     }
     return value;
 }

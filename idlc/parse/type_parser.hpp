@@ -39,7 +39,7 @@ class TypeParser : public TokenReader {
     ast::Expression unary();
     ast::Literal literal();
     std::uint64_t integer(const Token& token);
-    double floating(const Token& token);
+    long double floating(const Token& token);
     ast::Literal string_literal();
 };
 
