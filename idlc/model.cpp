@@ -1,6 +1,7 @@
 #include "idlc/model.hpp"
 
 #include <algorithm>
+#include <set>
 
 namespace canorb::idlc::model {
 
@@ -30,6 +31,7 @@ std::uint64_t scalar_octets(const Type& type) {
             return 1;
         case TypeKind::int16:
         case TypeKind::uint16:
+        case TypeKind::wide_character:
             return 2;
         case TypeKind::int32:
         case TypeKind::uint32:
@@ -39,11 +41,52 @@ std::uint64_t scalar_octets(const Type& type) {
         case TypeKind::uint64:
         case TypeKind::float64:
             return 8;
+        case TypeKind::float128:
+            return 16;
         case TypeKind::named:
-            return std::holds_alternative<Enum>(known.definition->body) ? 4 : 0;
+            if (std::holds_alternative<Enum>(known.definition->body)) return 4;
+            if (const auto* mask = std::get_if<Bitmask>(&known.definition->body)) {
+                return mask->bit_bound <= 8    ? 1
+                       : mask->bit_bound <= 16 ? 2
+                       : mask->bit_bound <= 32 ? 4
+                                               : 8;
+            }
+            return 0;
         default:
             return 0;
     }
+}
+
+/// The members of a struct with those that it inherits, of an exception or of a union.
+std::vector<const Member*> all_members(const Definition& definition) {
+    std::vector<const Member*> all;
+    const auto append = [&](const std::vector<Member>& members) {
+        for (const Member& member : members) all.push_back(&member);
+    };
+    if (const auto* body = std::get_if<Struct>(&definition.body)) {
+        if (body->base != nullptr) all = all_members(*body->base);
+        append(body->members);
+    } else if (const auto* exception = std::get_if<Exception>(&definition.body)) {
+        append(exception->members);
+    } else if (const auto* choice = std::get_if<Union>(&definition.body)) {
+        for (const UnionCase& one : choice->cases) all.push_back(&one.member);
+    }
+    return all;
+}
+
+/// Whether `predicate` holds of a struct, union or interface that a value of the type consists of,
+/// or can consist of through sequences and maps.
+template <typename Predicate>
+bool any_part(const Type& type, std::set<const Definition*>& seen, const Predicate& predicate) {
+    const Type& known = resolved(type);
+    if (known.key != nullptr && any_part(*known.key, seen, predicate)) return true;
+    if (known.element != nullptr) return any_part(*known.element, seen, predicate);
+    if (known.kind != TypeKind::named || !seen.insert(known.definition).second) return false;
+    if (predicate(*known.definition)) return true;
+    const std::vector<const Member*> members = all_members(*known.definition);
+    return std::any_of(members.begin(), members.end(), [&](const Member* member) {
+        return any_part(member->type, seen, predicate);
+    });
 }
 
 }  // namespace
@@ -59,6 +102,47 @@ bool is_inline(const Type& type) {
     if (known.kind != TypeKind::sequence) return false;
     const std::uint64_t element = scalar_octets(*known.element);
     return element != 0 && known.bound * element <= most_inline_octets;
+}
+
+bool is_local(const Type& type) {
+    std::set<const Definition*> seen;
+    return any_part(type, seen, [](const Definition& part) {
+        const auto* interface = std::get_if<Interface>(&part.body);
+        return interface != nullptr && interface->kind == InterfaceKind::local;
+    });
+}
+
+bool is_recursive(const Definition& definition) {
+    const std::vector<const Member*> members = all_members(definition);
+    return std::any_of(members.begin(), members.end(), [&](const Member* member) {
+        std::set<const Definition*> seen;
+        return any_part(member->type, seen,
+                        [&](const Definition& part) { return &part == &definition; });
+    });
+}
+
+bool takes_no_octets(const Type& type) {
+    const Type& known = resolved(type);
+    if (known.kind == TypeKind::array) return takes_no_octets(*known.element);
+    if (known.kind != TypeKind::named || !std::holds_alternative<Struct>(known.definition->body)) {
+        return false;
+    }
+    const std::vector<const Member*> members = all_members(*known.definition);
+    return std::all_of(members.begin(), members.end(),
+                       [](const Member* member) { return takes_no_octets(member->type); });
+}
+
+std::uint16_t FixedValue::digits() const {
+    const auto all =
+        std::count_if(text.begin(), text.end(), [](char c) { return c >= '0' && c <= '9'; });
+    const std::size_t first = text.starts_with('-') ? 1 : 0;
+    const bool leading_zero = all > 1 && text[first] == '0';
+    return static_cast<std::uint16_t>(all - (leading_zero ? 1 : 0));
+}
+
+std::uint16_t FixedValue::scale() const {
+    const std::size_t point = text.find('.');
+    return static_cast<std::uint16_t>(point == std::string::npos ? 0 : text.size() - point - 1);
 }
 
 std::string wire_name(const Operation& operation) {

@@ -9,6 +9,8 @@
 #include <variant>
 #include <vector>
 
+#include "idlc/source.hpp"
+
 /// What a correct IDL file means: names resolved, constants computed, operations numbered. The
 /// emitters read this and nothing else.
 namespace canorb::idlc::model {
@@ -18,6 +20,7 @@ struct Definition;
 enum class TypeKind : std::uint8_t {
     boolean,
     character,
+    wide_character,
     octet,
     int8,
     uint8,
@@ -29,17 +32,26 @@ enum class TypeKind : std::uint8_t {
     uint64,
     float32,
     float64,
-    object,    ///< Object, the interface that all others inherit
-    string,    ///< of at most `bound` characters
-    sequence,  ///< of at most `bound` elements
-    array,     ///< of `bound` elements
-    named,     ///< an enum, struct, alias or interface
+    float128,  ///< long double
+    fixed,     ///< of `digits` digits, `scale` of them behind the point
+    any,
+    object,       ///< Object, the interface that all others inherit
+    type_code,    ///< CORBA::TypeCode
+    string,       ///< of at most `bound` characters
+    wide_string,  ///< of at most `bound` UTF-16 code units
+    sequence,     ///< of at most `bound` elements
+    map,          ///< of at most `bound` entries, from `key` to `element`
+    array,        ///< of `bound` elements
+    named,        ///< an enum, bitmask, struct, union, alias or interface
 };
 
 struct Type {
     TypeKind kind = TypeKind::int32;
-    std::uint32_t bound = 0;              ///< 0: none
-    std::shared_ptr<const Type> element;  ///< of a sequence or array
+    std::uint32_t bound = 0;  ///< 0: none
+    std::uint16_t digits = 0;
+    std::uint16_t scale = 0;
+    std::shared_ptr<const Type> element;  ///< of a sequence, map or array
+    std::shared_ptr<const Type> key;      ///< of a map
     const Definition* definition = nullptr;
 };
 
@@ -50,16 +62,24 @@ const Type& resolved(const Type& type);
 /// heap: a string with its NUL, a sequence of scalars or enums.
 bool is_inline(const Type& type);
 
-/// Whether it is a basic type or an enum, aliases resolved: what C++ passes by value.
+/// Whether it is a basic type, an enum or a bitmask, aliases resolved: what C++ passes by value.
 bool is_scalar(const Type& type);
+
+/// Whether it is or contains a local interface: it cannot be sent.
+bool is_local(const Type& type);
 
 struct Provenance {
     std::string file;  ///< as the preprocessor names it
     std::uint32_t line = 1;
 };
 
+/// Definitions that stand inside of another: of a module, an interface, and those declared in
+/// place within a struct, union or exception.
+using Definitions = std::vector<const Definition*>;
+
+/// One opening of a module.
 struct Module {
-    std::vector<const Definition*> definitions;
+    Definitions definitions;
 };
 
 struct EnumeratorValue {
@@ -69,41 +89,87 @@ struct EnumeratorValue {
     friend bool operator==(const EnumeratorValue&, const EnumeratorValue&) = default;
 };
 
-using Value =
-    std::variant<std::int64_t, std::uint64_t, double, char, bool, std::string, EnumeratorValue>;
+/// "-12.50" of a constant of type fixed: as many digits behind the point as its type's scale.
+struct FixedValue {
+    std::string text;
+
+    /// How many digits it has, without a zero before the point.
+    std::uint16_t digits() const;
+    std::uint16_t scale() const;
+
+    friend bool operator==(const FixedValue&, const FixedValue&) = default;
+};
+
+/// std::uint64_t for the unsigned integer types, octet and bitmasks, std::int64_t for the signed.
+using Value = std::variant<std::int64_t, std::uint64_t, long double, char, char16_t, bool,
+                           std::string, std::u16string, FixedValue, EnumeratorValue>;
 
 struct Constant {
     Type type;
-    /// std::uint64_t for the unsigned integer types, std::int64_t for the signed.
     Value value;
 };
 
 struct Enumerator {
     std::string name;
+    std::uint32_t number = 0;  ///< what stands for it on the wire: its place, or its @value
     std::vector<std::string> comment;
 };
 
 struct Enum {
     std::vector<Enumerator> enumerators;
+    std::size_t default_index = 0;  ///< of the @default_literal, or the first
+};
+
+struct Flag {
+    std::string name;
+    std::uint8_t position = 0;
+    std::vector<std::string> comment;
+};
+
+struct Bitmask {
+    std::uint8_t bit_bound = 32;  ///< 1 to 64
+    std::vector<Flag> flags;
 };
 
 struct Member {
     Type type;
     std::string name;
     std::vector<std::string> comment;
+    std::optional<Value> default_value;  ///< of @default
 };
 
 struct Struct {
-    std::vector<Member> members;
+    const Definition* base = nullptr;  ///< the struct that it inherits
+    Definitions definitions;
+    std::vector<Member> members;  ///< its own
+};
+
+struct UnionCase {
+    Member member;
+    std::vector<Value> labels;  ///< without default
+    bool is_default = false;
+};
+
+struct Union {
+    Type discriminator;
+    Definitions definitions;
+    std::vector<UnionCase> cases;
+    /// A value of the discriminator that no label has, so that it selects the default member or
+    /// none; nothing where the labels are all values there are.
+    std::optional<Value> unlabelled;
 };
 
 struct Exception {
+    Definitions definitions;
     std::vector<Member> members;
 };
 
 struct Alias {
     Type type;
 };
+
+/// A type that each language has its own of: nothing is generated for it, and nothing can use it.
+struct Native {};
 
 enum class Direction : std::uint8_t { in, out, inout };
 
@@ -123,7 +189,7 @@ struct Operation {
     bool oneway = false;
     std::optional<Type> result;  ///< nothing: void
     std::vector<Parameter> parameters;
-    std::vector<const Definition*> raises;
+    Definitions raises;
     Provenance provenance;
     std::vector<std::string> comment;
 };
@@ -134,27 +200,41 @@ std::string wire_name(const Operation& operation);
 /// Whether it may be sent to a group: no result, no out or inout parameter, no raises clause.
 bool groupable(const Operation& operation);
 
-/// A declaration of an interface whose definition follows, in this file or not at all.
-struct ForwardInterface {
-    const Definition* definition = nullptr;  ///< null: not in this file
+/// A declaration of a struct, union or interface whose definition follows, in this file or, of an
+/// interface, perhaps not at all.
+struct Forward {
+    const Definition* definition = nullptr;
 };
 
+enum class InterfaceKind : std::uint8_t { plain, local, abstract };
+
 struct Interface {
-    std::vector<const Definition*> bases;
-    std::vector<const Definition*> definitions;  ///< types and constants declared in it
-    std::vector<Operation> operations;           ///< its own, by id
+    InterfaceKind kind = InterfaceKind::plain;
+    Definitions bases;
+    Definitions definitions;            ///< types and constants declared in it
+    std::vector<Operation> operations;  ///< its own, by id
 };
 
 struct Definition {
     std::string name;
-    const Definition* parent = nullptr;  ///< the module or interface around it; null: none
+    /// The module, interface, struct, union or exception around it; null: none.
+    const Definition* parent = nullptr;
     std::string repository_id;
     Provenance provenance;
     std::vector<std::string> comment;
     bool in_main_file = false;
-    std::variant<Module, Constant, Enum, Struct, Exception, Alias, ForwardInterface, Interface>
+    std::variant<Module, Constant, Enum, Bitmask, Struct, Union, Exception, Alias, Native, Forward,
+                 Interface>
         body = Module{};
 };
+
+/// Whether a value of this struct or union can contain another of the same, through a sequence or
+/// map.
+bool is_recursive(const Definition& definition);
+
+/// Whether no value of the type takes an octet on the wire: an empty struct, and what consists of
+/// such only.
+bool takes_no_octets(const Type& type);
 
 /// What is generated for an interface is named after it, with one of these behind.
 inline constexpr std::string_view generated_suffixes[] = {"Servant", "Interface", "Bases",
@@ -172,12 +252,19 @@ struct InheritedOperation {
 /// The operations of all interfaces that this one inherits, each once, without its own.
 std::vector<InheritedOperation> inherited_operations(const Interface& interface);
 
+/// Why there is no C++ for something that is good IDL.
+struct Obstacle {
+    Location where;
+    std::string problem;
+};
+
 /// One compilation. The addresses of the definitions do not change.
 struct Model {
     std::string main_file;
     std::vector<std::string> includes;  ///< of the main file, as spelled there
-    std::vector<const Definition*> definitions;
+    Definitions definitions;
     std::vector<std::unique_ptr<Definition>> storage;  ///< all, at any depth
+    std::vector<Obstacle> obstacles;
 };
 
 /// The operation ids of the main file's interfaces as a table, for people.

@@ -8,6 +8,19 @@
 
 namespace canorb::idlc::check {
 
+namespace {
+
+constexpr unsigned most_flags = 64;
+constexpr unsigned most_enum_bits = 32;
+
+model::Type unsigned_long() {
+    model::Type type;
+    type.kind = model::TypeKind::uint32;
+    return type;
+}
+
+}  // namespace
+
 model::Model build_model(const ast::File& file, const Source& source, Diagnostics& diagnostics) {
     return Checker{source, diagnostics}.run(file);
 }
@@ -20,9 +33,10 @@ Checker::Checker(const Source& source, Diagnostics& diagnostics)
 
 model::Model Checker::run(const ast::File& file) {
     Scope& global = new_scope(Scope::Kind::module, nullptr, "");
-    declarations(file.declarations, {global, nullptr, model_.definitions});
+    Prefix prefix;
+    declarations(file.declarations, {global, nullptr, model_.definitions, prefix});
     check_interfaces_defined();
-    check_waits();
+    check_structs_defined();
     check_generated_names();
     return std::move(model_);
 }
@@ -30,15 +44,13 @@ model::Model Checker::run(const ast::File& file) {
 void Checker::declarations(const std::vector<ast::Declaration>& list, const Place& place) {
     for (const ast::Declaration& declaration : list) {
         if (diagnostics_.full()) return;
-        if (!std::holds_alternative<ast::Interface>(declaration.body)) {
-            ignore_annotations(declaration);
-        }
         std::visit([&](const auto& body) { declare(declaration, body, place); }, declaration.body);
     }
 }
 
 void Checker::declare(const ast::Declaration& declaration, const ast::Module& module,
                       const Place& place) {
+    check_annotations(declaration.annotations, {}, place.scope);
     Symbol* symbol = place.scope.own(declaration.name.text);
     if (symbol == nullptr || symbol->kind != Symbol::Kind::module ||
         symbol->name != declaration.name.text) {
@@ -53,26 +65,42 @@ void Checker::declare(const ast::Declaration& declaration, const ast::Module& mo
     // Each opening of a module is a definition of its own: the order of the file is kept.
     model::Definition& definition = new_definition(declaration, place);
     if (symbol->definition == nullptr) symbol->definition = &definition;
-    declarations(module.declarations, {*symbol->scope, &definition,
-                                       definition.body.emplace<model::Module>().definitions});
+    Prefix prefix{prefix_inside(declaration, place)};
+    declarations(module.declarations,
+                 {*symbol->scope, &definition, definition.body.emplace<model::Module>().definitions,
+                  prefix});
 }
 
 void Checker::declare(const ast::Declaration& declaration, const ast::Constant& constant,
                       const Place& place) {
-    const std::optional<model::Type> type = this->type(constant.type, place.scope);
+    check_annotations(declaration.annotations, {}, place.scope);
+    std::optional<model::Type> type = this->type(constant.type, place.scope);
     std::optional<model::Value> value;
-    if (type) value = this->value(constant.value, model::resolved(*type), place.scope);
+    if (type) value = this->value(constant.value, *type, place.scope);
     model::Definition* definition = declare_name(declaration, Symbol::Kind::constant, place);
     if (definition == nullptr || !value) return;
+    if (const auto* fixed = std::get_if<model::FixedValue>(&*value)) {
+        // The value alone says how many digits a fixed constant has.
+        type->kind = model::TypeKind::fixed;
+        type->digits = fixed->digits();
+        type->scale = fixed->scale();
+    }
     definition->body = model::Constant{*type, *value};
 }
 
 void Checker::declare(const ast::Declaration& declaration, const ast::Enum& enumeration,
                       const Place& place) {
+    check_annotations(declaration.annotations, {"bit_bound"}, place.scope);
+    const unsigned bits =
+        annotation_number(declaration.annotations, "bit_bound", 1, most_enum_bits, place.scope)
+            .value_or(most_enum_bits);
     model::Definition* definition = declare_name(declaration, Symbol::Kind::type, place);
     if (definition == nullptr) return;
     model::Enum body;
+    std::map<std::uint32_t, std::string> numbers;
+    std::uint64_t next = 0;
     for (const ast::Enumerator& enumerator : enumeration.enumerators) {
+        check_annotations(enumerator.annotations, {"value", "default_literal"}, place.scope);
         // An enumerator's name belongs to the scope around the enum.
         Symbol symbol;
         symbol.name = enumerator.name.text;
@@ -81,32 +109,82 @@ void Checker::declare(const ast::Declaration& declaration, const ast::Enum& enum
         symbol.definition = definition;
         symbol.enumerator = body.enumerators.size();
         place.scope.declare(std::move(symbol), diagnostics_);
-        body.enumerators.push_back({enumerator.name.text, enumerator.comment});
+        if (annotation_flag(enumerator.annotations, "default_literal")) {
+            body.default_index = body.enumerators.size();
+        }
+        const auto given =
+            annotation_value(enumerator.annotations, "value", unsigned_long(), place.scope);
+        if (given) next = std::get<std::uint64_t>(*given);
+        if (next >> bits != 0) {
+            diagnostics_.error(enumerator.name.where, quote(enumerator.name.text) + " is number " +
+                                                          std::to_string(next) +
+                                                          ", which does not fit into the enum's " +
+                                                          std::to_string(bits) + " bits");
+        }
+        const auto number = static_cast<std::uint32_t>(next++);
+        const auto [at, fresh] = numbers.emplace(number, enumerator.name.text);
+        if (!fresh) {
+            diagnostics_.error(enumerator.name.where, quote(enumerator.name.text) + " and " +
+                                                          quote(at->second) + " are both number " +
+                                                          std::to_string(number));
+        }
+        body.enumerators.push_back({enumerator.name.text, number, enumerator.comment});
     }
     definition->body = std::move(body);
 }
 
-void Checker::declare(const ast::Declaration& declaration, const ast::Struct& structure,
+void Checker::declare(const ast::Declaration& declaration, const ast::Bitmask& bitmask,
                       const Place& place) {
+    check_annotations(declaration.annotations, {"bit_bound"}, place.scope);
+    const unsigned bits =
+        annotation_number(declaration.annotations, "bit_bound", 1, most_flags, place.scope)
+            .value_or(32);
     model::Definition* definition = declare_name(declaration, Symbol::Kind::type, place);
     if (definition == nullptr) return;
-    definition->body = model::Struct{};
-    incomplete_.insert(definition);
-    std::vector<model::Member> list = members(structure.members, place.scope, *definition);
-    incomplete_.erase(definition);
-    definition->body = model::Struct{std::move(list)};
-}
-
-void Checker::declare(const ast::Declaration& declaration, const ast::Exception& exception,
-                      const Place& place) {
-    model::Definition* definition = declare_name(declaration, Symbol::Kind::exception, place);
-    if (definition == nullptr) return;
-    definition->body = model::Exception{members(exception.members, place.scope, *definition)};
+    // Unlike an enum's, the names of flags are in a scope of their own.
+    Scope& scope = new_scope(Scope::Kind::members, &place.scope, declaration.name.text);
+    place.scope.own(declaration.name.text)->scope = &scope;
+    model::Bitmask body;
+    body.bit_bound = static_cast<std::uint8_t>(bits);
+    std::map<unsigned, std::string> taken;
+    unsigned next = 0;
+    for (const ast::Enumerator& flag : bitmask.flags) {
+        check_annotations(flag.annotations, {"position"}, place.scope);
+        next = annotation_number(flag.annotations, "position", 0, bits - 1, place.scope)
+                   .value_or(next);
+        if (next >= bits) {
+            diagnostics_.error(flag.name.where, quote(flag.name.text) + " is flag " +
+                                                    std::to_string(next) + ", and the bitmask " +
+                                                    "has " + std::to_string(bits) + " bits");
+        }
+        const auto [at, fresh] = taken.emplace(next, flag.name.text);
+        if (!fresh) {
+            diagnostics_.error(flag.name.where, quote(flag.name.text) + " and " +
+                                                    quote(at->second) + " both are flag " +
+                                                    std::to_string(next));
+        }
+        Symbol symbol;
+        symbol.name = flag.name.text;
+        symbol.where = flag.name.where;
+        symbol.kind = Symbol::Kind::enumerator;
+        symbol.definition = definition;
+        symbol.enumerator = body.flags.size();
+        scope.declare(std::move(symbol), diagnostics_);
+        body.flags.push_back({flag.name.text, static_cast<std::uint8_t>(next), flag.comment});
+        ++next;
+    }
+    definition->body = std::move(body);
 }
 
 void Checker::declare(const ast::Declaration& declaration, const ast::Alias& alias,
                       const Place& place) {
+    check_annotations(declaration.annotations, {}, place.scope);
     std::optional<model::Type> type = this->type(alias.type, place.scope);
+    // A sequence of a type that is only declared is what forward declarations are for.
+    if (type && type->kind == model::TypeKind::named &&
+        !require_complete(*type, alias.type.where)) {
+        type.reset();
+    }
     if (type) type = array(*std::move(type), alias.dimensions, place.scope);
     model::Definition* definition = declare_name(declaration, Symbol::Kind::type, place);
     if (definition == nullptr) return;
@@ -114,29 +192,39 @@ void Checker::declare(const ast::Declaration& declaration, const ast::Alias& ali
     definition->body = model::Alias{type.value_or(model::Type{})};
 }
 
-std::vector<model::Member> Checker::members(const std::vector<ast::Member>& list, Scope& around,
-                                            const model::Definition& owner) {
-    Scope& scope = new_scope(Scope::Kind::members, &around, owner.name);
-    std::vector<model::Member> members;
-    for (const ast::Member& member : list) {
-        std::optional<model::Type> type = this->type(member.type, scope);
-        if (type) type = array(*std::move(type), member.dimensions, scope);
-        if (type) require_complete(*type, member.type.where, owner);
-        Symbol symbol;
-        symbol.name = member.name.text;
-        symbol.where = member.name.where;
-        scope.declare(std::move(symbol), diagnostics_);
-        if (type) members.push_back({*std::move(type), member.name.text, member.comment});
-    }
-    return members;
+void Checker::declare(const ast::Declaration& declaration, const ast::Native&, const Place& place) {
+    check_annotations(declaration.annotations, {}, place.scope);
+    model::Definition* definition = declare_name(declaration, Symbol::Kind::type, place);
+    if (definition != nullptr) definition->body = model::Native{};
+}
+
+void Checker::declare(const ast::Declaration& declaration, const ast::AnnotationType&,
+                      const Place& place) {
+    Symbol symbol;
+    symbol.name = '@' + declaration.name.text;
+    symbol.where = declaration.name.where;
+    symbol.kind = Symbol::Kind::annotation;
+    place.scope.declare(std::move(symbol), diagnostics_);
 }
 
 void Checker::check_interfaces_defined() {
     for (const auto& [definition, where] : forward_) {
         if (incomplete_.count(definition) == 0) continue;
-        diagnostics_.error(where, "the interface " + quote(definition->name) +
-                                      " is declared, but not defined in this file or in one that "
-                                      "it includes");
+        if (!std::holds_alternative<model::Interface>(definition->body)) continue;
+        diagnostics_.warning(where, "the interface " + quote(definition->name) +
+                                        " is declared, but not defined in this file or in one "
+                                        "that it includes");
+        if (!definition->in_main_file) continue;
+        model_.obstacles.push_back(
+            {where, "C++ needs the definition of the interface " + quote(definition->name)});
+    }
+}
+
+void Checker::check_structs_defined() {
+    for (const auto& [definition, where] : forward_) {
+        if (incomplete_.count(definition) == 0) continue;
+        if (std::holds_alternative<model::Interface>(definition->body)) continue;
+        diagnostics_.error(where, quote(definition->name) + " is declared, but never defined");
     }
 }
 
@@ -147,10 +235,10 @@ void Checker::check_generated_names() {
             const std::string name = scope.name() + std::string{suffix};
             const Symbol* symbol = scope.parent()->own(name);
             if (symbol == nullptr || symbol->name != name) continue;
-            diagnostics_.error(symbol->where, quote(name) +
-                                                  " is needed for what is generated for "
-                                                  "the interface " +
-                                                  quote(scope.name()));
+            model_.obstacles.push_back(
+                {symbol->where, quote(name) +
+                                    " is needed for what is generated for the interface " +
+                                    quote(scope.name())});
         }
     }
 }
@@ -161,11 +249,7 @@ model::Definition& Checker::new_definition(const ast::Declaration& declaration,
     model::Definition& definition = *model_.storage.back();
     definition.name = declaration.name.text;
     definition.parent = place.parent;
-    definition.repository_id = model::scoped_name(definition);
-    for (std::size_t at = 0; (at = definition.repository_id.find("::", at)) != std::string::npos;) {
-        definition.repository_id.replace(at, 2, "/");
-    }
-    definition.repository_id = "IDL:" + definition.repository_id + ":1.0";
+    definition.repository_id = "IDL:" + prefix_inside(declaration, place) + ":1.0";
     definition.provenance = provenance(declaration.name.where);
     definition.comment = declaration.comment;
     definition.in_main_file = source_.in_main_file(declaration.name.where);
@@ -175,6 +259,7 @@ model::Definition& Checker::new_definition(const ast::Declaration& declaration,
 
 model::Definition* Checker::declare_name(const ast::Declaration& declaration, Symbol::Kind kind,
                                          const Place& place) {
+    check_hides_no_operation(declaration, place.scope);
     Symbol symbol;
     symbol.name = declaration.name.text;
     symbol.where = declaration.name.where;
@@ -192,19 +277,6 @@ Scope& Checker::new_scope(Scope::Kind kind, Scope* parent, const std::string& na
 model::Provenance Checker::provenance(Location where) const {
     const Position position = source_.position(where);
     return {position.file, position.line};
-}
-
-void Checker::ignore_annotations(const ast::Declaration& declaration, std::string_view known) {
-    for (const ast::Annotation& annotation : declaration.annotations) {
-        if (annotation.name.text == known) continue;
-        if (annotation.name.text == "first_operation") {
-            diagnostics_.error(annotation.name.where,
-                               "@first_operation belongs before the definition of an interface");
-        } else {
-            diagnostics_.warning(annotation.name.where,
-                                 "the annotation @" + annotation.name.text + " is ignored");
-        }
-    }
 }
 
 }  // namespace canorb::idlc::check

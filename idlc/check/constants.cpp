@@ -1,5 +1,6 @@
 #include "idlc/check/constants.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -16,7 +17,14 @@ using model::TypeKind;
 /// Wide enough that the operands of every operation are exact.
 __extension__ using Wide = __int128;
 
-using Operand = std::variant<Wide, double, char, bool, std::string, model::EnumeratorValue>;
+/// An exact decimal number: units / 10^scale.
+struct Decimal {
+    Wide units = 0;
+    int scale = 0;
+};
+
+using Operand = std::variant<Wide, long double, Decimal, char, char16_t, bool, std::string,
+                             std::u16string, model::EnumeratorValue>;
 
 struct Range {
     Wide lowest;
@@ -52,11 +60,132 @@ std::optional<Range> integer_range(TypeKind kind) {
     }
 }
 
+/// The range of an integer type or a bitmask.
+std::optional<Range> integer_range(const model::Type& type) {
+    if (type.kind != TypeKind::named) return integer_range(type.kind);
+    const auto* mask = std::get_if<model::Bitmask>(&type.definition->body);
+    if (mask == nullptr) return std::nullopt;
+    return Range{0, (Wide{1} << mask->bit_bound) - 1};
+}
+
 std::string_view name(const Operand& operand) {
-    constexpr std::string_view names[] = {"an integer",  "a floating-point number",
-                                          "a character", "a boolean",
-                                          "a string",    "an enumerator"};
+    constexpr std::string_view names[] = {
+        "an integer",  "a floating-point number", "a fixed-point number",
+        "a character", "a wide character",        "a boolean",
+        "a string",    "a wide string",           "an enumerator"};
     return names[operand.index()];
+}
+
+std::string to_string(Wide value) {
+    if (value < 0) return '-' + to_string(-value);
+    std::string digits;
+    do {
+        digits.insert(digits.begin(), static_cast<char>('0' + static_cast<int>(value % 10)));
+        value /= 10;
+    } while (value != 0);
+    return digits;
+}
+
+constexpr int most_digits = 31;
+
+constexpr Wide power_of_ten(int exponent) {
+    Wide power = 1;
+    for (int i = 0; i < exponent; ++i) power *= 10;
+    return power;
+}
+
+/// As few digits behind the point as the value needs.
+Decimal normalized(Decimal value) {
+    while (value.scale > 0 && value.units % 10 == 0) {
+        value.units /= 10;
+        --value.scale;
+    }
+    return value;
+}
+
+bool has_too_many_digits(const Decimal& value) {
+    const Wide limit = power_of_ten(most_digits);
+    return value.units <= -limit || value.units >= limit || value.scale > most_digits;
+}
+
+/// The digits of a literal, "12.50".
+std::optional<Decimal> decimal(std::string_view digits) {
+    Decimal value;
+    bool behind_point = false;
+    for (const char c : digits) {
+        if (c == '.') {
+            behind_point = true;
+            continue;
+        }
+        value.units = value.units * 10 + (c - '0');
+        if (behind_point) ++value.scale;
+        // Zeros at the end may be as many as people like.
+        if (behind_point && value.scale > most_digits) value = normalized(value);
+        if (has_too_many_digits(value)) return std::nullopt;
+    }
+    return normalized(value);
+}
+
+std::string to_string(const Decimal& value) {
+    std::string digits = to_string(value.units < 0 ? -value.units : value.units);
+    const auto scale = static_cast<std::size_t>(value.scale);
+    if (digits.size() <= scale) digits.insert(0, scale + 1 - digits.size(), '0');
+    if (scale != 0) digits.insert(digits.size() - scale, 1, '.');
+    return (value.units < 0 ? "-" : "") + digits;
+}
+
+/// Both with the larger scale; false where one has too many digits for it.
+bool align(Decimal& left, Decimal& right) {
+    const auto widen = [](Decimal& value, int scale) {
+        const bool lost =
+            __builtin_mul_overflow(value.units, power_of_ten(scale - value.scale), &value.units);
+        value.scale = scale;
+        return !lost;
+    };
+    const int scale = std::max(left.scale, right.scale);
+    return widen(left, scale) && widen(right, scale);
+}
+
+/// The quotient, with as many digits as a fixed has; what is behind them is cut. Nothing where the
+/// digits before the point are too many.
+std::optional<Decimal> quotient(const Decimal& left, const Decimal& right) {
+    Decimal result{left.units / right.units, left.scale - right.scale};
+    Wide rest = left.units % right.units;
+    const Wide limit = power_of_ten(most_digits - 1);
+    const auto has_room = [&] { return result.units < limit && result.units > -limit; };
+    while (result.scale < 0 || (rest != 0 && result.scale < most_digits && has_room())) {
+        if (!has_room()) return std::nullopt;
+        rest *= 10;
+        result.units = result.units * 10 + rest / right.units;
+        rest %= right.units;
+        ++result.scale;
+    }
+    return result;
+}
+
+std::optional<Decimal> calculate(Operator op, Decimal left, Decimal right) {
+    Decimal result;
+    bool lost = false;
+    switch (op) {
+        case Operator::add:
+        case Operator::subtract:
+            lost = !align(left, right);
+            result = {op == Operator::add ? left.units + right.units : left.units - right.units,
+                      left.scale};
+            break;
+        case Operator::multiply:
+            lost = __builtin_mul_overflow(left.units, right.units, &result.units);
+            result.scale = left.scale + right.scale;
+            break;
+        default: {
+            const std::optional<Decimal> divided = quotient(left, right);
+            if (!divided) return std::nullopt;
+            result = *divided;
+        }
+    }
+    result = normalized(result);
+    if (lost || has_too_many_digits(result)) return std::nullopt;
+    return result;
 }
 
 class Evaluator {
@@ -65,7 +194,7 @@ class Evaluator {
         : type_(type), find_(find), diagnostics_(diagnostics) {}
 
     std::optional<Operand> value(const ast::Expression& expression) {
-        if (expression.op == Operator::literal) return literal(expression.literal);
+        if (expression.op == Operator::literal) return literal(expression);
         if (expression.op == Operator::name) return named(expression.name);
         const std::optional<Operand> left = value(expression.operands.front());
         if (!left) return std::nullopt;
@@ -76,19 +205,32 @@ class Evaluator {
     }
 
   private:
-    static Operand literal(const ast::Literal& literal) {
+    std::optional<Operand> literal(const ast::Expression& expression) {
+        if (const auto* fixed = std::get_if<ast::FixedLiteral>(&expression.literal)) {
+            const std::optional<Decimal> value = decimal(fixed->digits);
+            if (!value) too_many_digits(expression);
+            return value;
+        }
         return std::visit(
-            [](const auto& value) -> Operand {
-                using T = std::decay_t<decltype(value)>;
+            [](const auto& written) -> Operand {
+                using T = std::decay_t<decltype(written)>;
                 if constexpr (std::is_same_v<T, std::uint64_t>) {
-                    return Wide{value};
-                } else if constexpr (std::is_same_v<T, ast::StringLiteral>) {
-                    return value.value;
+                    return Wide{written};
+                } else if constexpr (std::is_same_v<T, ast::FixedLiteral>) {
+                    return Decimal{};
+                } else if constexpr (std::is_same_v<T, ast::StringLiteral> ||
+                                     std::is_same_v<T, ast::WideStringLiteral> ||
+                                     std::is_same_v<T, ast::WideCharacterLiteral>) {
+                    return written.value;
                 } else {
-                    return value;
+                    return written;
                 }
             },
-            literal);
+            expression.literal);
+    }
+
+    void too_many_digits(const ast::Expression& expression) {
+        diagnostics_.error(expression.where, "a fixed has at most 31 digits");
     }
 
     std::optional<Operand> named(const ast::ScopedName& name) {
@@ -99,6 +241,12 @@ class Evaluator {
                 using T = std::decay_t<decltype(known)>;
                 if constexpr (std::is_same_v<T, std::int64_t> || std::is_same_v<T, std::uint64_t>) {
                     return Wide{known};
+                } else if constexpr (std::is_same_v<T, model::FixedValue>) {
+                    const bool negative = known.text.starts_with('-');
+                    Decimal fixed = decimal(std::string_view{known.text}.substr(negative ? 1 : 0))
+                                        .value_or(Decimal{});
+                    if (negative) fixed.units = -fixed.units;
+                    return fixed;
                 } else {
                     return known;
                 }
@@ -111,13 +259,18 @@ class Evaluator {
             if (expression.op == Operator::plus) return *integer;
             if (expression.op == Operator::negate) return -*integer;
             // All bits inverted, in the type of the constant.
-            const std::optional<Range> range = integer_range(type_.kind);
+            const std::optional<Range> range = integer_range(type_);
             if (range && range->lowest == 0) return range->highest - *integer;
             return -*integer - 1;
         }
-        const auto* real = std::get_if<double>(&operand);
-        if (real != nullptr && expression.op != Operator::complement) {
-            return expression.op == Operator::negate ? -*real : *real;
+        const bool negate = expression.op == Operator::negate;
+        if (expression.op != Operator::complement) {
+            if (const auto* real = std::get_if<long double>(&operand)) {
+                return negate ? -*real : *real;
+            }
+            if (const auto* fixed = std::get_if<Decimal>(&operand)) {
+                return Decimal{negate ? -fixed->units : fixed->units, fixed->scale};
+            }
         }
         diagnostics_.error(expression.where,
                            "this operator does not work on " + std::string{name(operand)});
@@ -129,10 +282,18 @@ class Evaluator {
         if (std::holds_alternative<Wide>(left) && std::holds_alternative<Wide>(right)) {
             return integers(expression, std::get<Wide>(left), std::get<Wide>(right));
         }
-        if (std::holds_alternative<double>(left) && std::holds_alternative<double>(right)) {
-            const auto result =
-                reals(expression.op, std::get<double>(left), std::get<double>(right));
-            if (result) return *result;
+        const bool arithmetic =
+            expression.op == Operator::add || expression.op == Operator::subtract ||
+            expression.op == Operator::multiply || expression.op == Operator::divide;
+        const auto* left_real = std::get_if<long double>(&left);
+        const auto* right_real = std::get_if<long double>(&right);
+        if (arithmetic && left_real != nullptr && right_real != nullptr) {
+            return reals(expression, *left_real, *right_real);
+        }
+        const auto* left_fixed = std::get_if<Decimal>(&left);
+        const auto* right_fixed = std::get_if<Decimal>(&right);
+        if (arithmetic && left_fixed != nullptr && right_fixed != nullptr) {
+            return decimals(expression, *left_fixed, *right_fixed);
         }
         diagnostics_.error(expression.where, "this operator does not work on " +
                                                  std::string{name(left)} + " and " +
@@ -140,26 +301,39 @@ class Evaluator {
         return std::nullopt;
     }
 
-    static std::optional<double> reals(Operator op, double left, double right) {
-        switch (op) {
+    std::optional<Operand> reals(const ast::Expression& expression, long double left,
+                                 long double right) {
+        switch (expression.op) {
             case Operator::add:
                 return left + right;
             case Operator::subtract:
                 return left - right;
             case Operator::multiply:
                 return left * right;
-            case Operator::divide:
-                return left / right;
             default:
-                return std::nullopt;
+                break;
         }
+        if (right == 0) return by_zero(expression);
+        return left / right;
+    }
+
+    std::optional<Operand> decimals(const ast::Expression& expression, const Decimal& left,
+                                    const Decimal& right) {
+        if (expression.op == Operator::divide && right.units == 0) return by_zero(expression);
+        const std::optional<Decimal> result = calculate(expression.op, left, right);
+        if (!result) too_many_digits(expression);
+        return result;
+    }
+
+    std::nullopt_t by_zero(const ast::Expression& expression) {
+        diagnostics_.error(expression.where, "division by zero");
+        return std::nullopt;
     }
 
     std::optional<Operand> integers(const ast::Expression& expression, Wide left, Wide right) {
         const Operator op = expression.op;
         if ((op == Operator::divide || op == Operator::modulo) && right == 0) {
-            diagnostics_.error(expression.where, "division by zero");
-            return std::nullopt;
+            return by_zero(expression);
         }
         if ((op == Operator::shift_left || op == Operator::shift_right) &&
             (right < 0 || right > 63)) {
@@ -218,20 +392,30 @@ class Evaluator {
     Diagnostics& diagnostics_;
 };
 
-std::string to_string(Wide value) {
-    if (value < 0) return '-' + to_string(-value);
-    std::string digits;
-    do {
-        digits.insert(digits.begin(), static_cast<char>('0' + static_cast<int>(value % 10)));
-        value /= 10;
-    } while (value != 0);
-    return digits;
+/// The operand as a value of a fixed type, which is without digits where the value decides.
+std::optional<model::Value> fixed(const Operand& operand, const model::Type& type,
+                                  std::string& problem) {
+    const auto* value = std::get_if<Decimal>(&operand);
+    if (value == nullptr) {
+        problem = "expected a fixed-point number like 1.5d, not " + std::string{name(operand)};
+        return std::nullopt;
+    }
+    if (type.digits == 0) return model::FixedValue{to_string(*value)};
+    const bool too_fine = value->scale > type.scale;
+    const Wide limit = too_fine ? 0 : power_of_ten(type.digits - type.scale + value->scale);
+    if (too_fine || value->units >= limit || value->units <= -limit) {
+        problem = to_string(*value) + " does not fit into fixed<" + std::to_string(type.digits) +
+                  ", " + std::to_string(type.scale) + '>';
+        return std::nullopt;
+    }
+    return model::FixedValue{
+        to_string(Decimal{value->units * power_of_ten(type.scale - value->scale), type.scale})};
 }
 
 /// The operand as a value of the type; nothing, with the reason in `problem`, when it is none.
 std::optional<model::Value> convert(const Operand& operand, const model::Type& type,
                                     std::string& problem) {
-    if (const std::optional<Range> range = integer_range(type.kind)) {
+    if (const std::optional<Range> range = integer_range(type)) {
         const auto* integer = std::get_if<Wide>(&operand);
         if (integer == nullptr) {
             problem = "expected an integer, not " + std::string{name(operand)};
@@ -265,20 +449,34 @@ std::optional<model::Value> convert(const Operand& operand, const model::Type& t
             }
             return value;
         }
+        case TypeKind::wide_character:
+            return expect(std::in_place_type<char16_t>, "a wide character");
+        case TypeKind::wide_string: {
+            const auto value = expect(std::in_place_type<std::u16string>, "a wide string");
+            if (value && type.bound != 0 && std::get<std::u16string>(*value).size() > type.bound) {
+                problem = "the string is longer than its bound of " + std::to_string(type.bound);
+                return std::nullopt;
+            }
+            return value;
+        }
         case TypeKind::float32:
-        case TypeKind::float64: {
-            const auto value = expect(std::in_place_type<double>, "a floating-point number");
+        case TypeKind::float64:
+        case TypeKind::float128: {
+            const auto value = expect(std::in_place_type<long double>, "a floating-point number");
             if (!value) return std::nullopt;
-            const double highest = type.kind == TypeKind::float32
-                                       ? double{std::numeric_limits<float>::max()}
-                                       : std::numeric_limits<double>::max();
-            const double real = std::get<double>(*value);
+            const long double highest =
+                type.kind == TypeKind::float32   ? std::numeric_limits<float>::max()
+                : type.kind == TypeKind::float64 ? std::numeric_limits<double>::max()
+                                                 : std::numeric_limits<long double>::max();
+            const long double real = std::get<long double>(*value);
             if (!std::isfinite(real) || std::abs(real) > highest) {
                 problem = "the value is outside of the range of its type";
                 return std::nullopt;
             }
             return value;
         }
+        case TypeKind::fixed:
+            return fixed(operand, type, problem);
         default:
             break;
     }

@@ -7,10 +7,6 @@ namespace canorb::idlc::check {
 
 namespace {
 
-std::string quote(std::string_view text) {
-    return '\'' + std::string{text} + '\'';
-}
-
 /// The one symbol among `found` that `part` means; null, with a message, when there is none.
 const Symbol* choose(const std::vector<const Symbol*>& found, const ast::Identifier& part,
                      Diagnostics& diagnostics) {
@@ -26,6 +22,31 @@ const Symbol* choose(const std::vector<const Symbol*>& found, const ast::Identif
         return nullptr;
     }
     return found.front();
+}
+
+/// How many letters must be changed, added or left out to make one of the other.
+std::size_t distance(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        std::size_t diagonal = std::exchange(row[0], i);
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+            diagonal = row[j];
+            row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+        }
+    }
+    return row[b.size()];
+}
+
+std::vector<const Symbol*> find_outwards(const Scope& scope, const ast::ScopedName& name) {
+    const Scope* from = &scope;
+    while (name.global && from->parent() != nullptr) from = from->parent();
+    for (const Scope* at = from; at != nullptr; at = at->parent()) {
+        std::vector<const Symbol*> found = at->visible(name.parts.front().text);
+        if (!found.empty()) return found;
+    }
+    return {};
 }
 
 }  // namespace
@@ -47,20 +68,25 @@ Symbol* Scope::declare(Symbol symbol, Diagnostics& diagnostics) {
         diagnostics.note(previous->where, "previously declared here");
         return nullptr;
     }
-    if (lower_case(symbol.name) == lower_case(name_)) {
+    std::string key = lower_case(symbol.name);
+    if (key == lower_case(name_)) {
         diagnostics.error(symbol.where,
                           quote(symbol.name) + " is the name of the scope that it is declared in");
         return nullptr;
     }
-    const auto used = used_.find(symbol.name);
+    const auto used = used_.find(key);
     if (used != used_.end()) {
-        diagnostics.error(symbol.where, quote(symbol.name) +
-                                            " cannot be declared here: the name was already used "
-                                            "here with another meaning");
-        diagnostics.note(used->second, "used here");
+        const std::string& before = used->second.text;
+        diagnostics.error(symbol.where,
+                          before == symbol.name
+                              ? quote(symbol.name) +
+                                    " cannot be declared here: the name was already used here "
+                                    "with another meaning"
+                              : quote(symbol.name) + " differs only in case from " + quote(before) +
+                                    ", which was already used here");
+        diagnostics.note(used->second.where, "used here");
         return nullptr;
     }
-    std::string key = lower_case(symbol.name);
     return &symbols_.emplace(std::move(key), std::move(symbol)).first->second;
 }
 
@@ -102,54 +128,70 @@ std::vector<const Symbol*> Scope::visible(std::string_view name) const {
     return found;
 }
 
-void Scope::use(const std::string& name, Location where) {
-    // In a module C++ and users of IDL are at ease with it; elsewhere neither is.
-    if (kind_ != Kind::module && own(name) == nullptr) used_.emplace(name, where);
+void Scope::use(const ast::Identifier& name) {
+    if (own(name.text) == nullptr) used_.emplace(lower_case(name.text), name);
 }
 
-const Symbol* resolve(Scope& scope, const ast::ScopedName& name, std::string_view what,
+std::string Scope::similar(std::string_view name) const {
+    std::string best;
+    // The time it takes grows with the square of the length.
+    constexpr std::size_t longest = 64;
+    if (name.size() > longest) return best;
+    // One letter of three may be wrong.
+    std::size_t least = name.size() / 3 + 1;
+    for (const Scope* at = this; at != nullptr; at = at->parent_) {
+        std::vector<const Scope*> scopes = at->ancestors_;
+        scopes.push_back(at);
+        for (const Scope* scope : scopes) {
+            for (const auto& [key, symbol] : scope->symbols_) {
+                if (symbol.kind == Symbol::Kind::other || symbol.kind == Symbol::Kind::operation ||
+                    symbol.kind == Symbol::Kind::annotation) {
+                    continue;
+                }
+                if (key.size() > longest) continue;
+                const std::size_t changes = distance(lower_case(name), key);
+                if (changes >= least) continue;
+                least = changes;
+                best = symbol.name;
+            }
+        }
+    }
+    return best;
+}
+
+const Symbol* resolve(const Scope& scope, const ast::ScopedName& name, std::string_view what,
                       Diagnostics& diagnostics) {
     if (name.parts.empty()) return nullptr;
-    Scope* from = &scope;
-    if (name.global) {
-        while (from->parent() != nullptr) from = from->parent();
-    }
-    std::vector<const Symbol*> found;
-    for (Scope* at = from; at != nullptr && found.empty(); at = at->parent()) {
-        found = at->visible(name.parts.front().text);
-        // `attribute State state` and its like are at ease with each other: what is sought is never
-        // an operation or a member.
-        std::erase_if(found, [&](const Symbol* symbol) {
-            const bool other =
-                symbol->kind == Symbol::Kind::operation || symbol->kind == Symbol::Kind::other;
-            return other && symbol->name != name.parts.front().text;
-        });
-    }
-    if (!name.global && !found.empty()) {
-        scope.use(name.parts.front().text, name.parts.front().where);
-    }
-
+    std::vector<const Symbol*> found = find_outwards(scope, name);
     const Symbol* symbol = nullptr;
     for (std::size_t i = 0; i < name.parts.size(); ++i) {
         const ast::Identifier& part = name.parts[i];
+        const Scope* looked_in = &scope;
         if (i > 0) {
             if (symbol->scope == nullptr) {
                 diagnostics.error(part.where, quote(symbol->name) + " has no members to name");
                 diagnostics.note(symbol->where, "declared here");
                 return nullptr;
             }
-            found = symbol->scope->visible(part.text);
+            looked_in = symbol->scope;
+            found = looked_in->visible(part.text);
         }
         if (found.empty()) {
-            diagnostics.error(part.where, "there is no " + std::string{what} + ' ' +
-                                              quote(part.text) +
-                                              (i == 0 ? "" : " in " + quote(symbol->name)));
+            const std::string near = looked_in->similar(part.text);
+            diagnostics.error(part.where,
+                              "there is no " + std::string{what} + ' ' + quote(part.text) +
+                                  (i == 0 ? "" : " in " + quote(symbol->name)) +
+                                  (near.empty() ? "" : "; did you mean " + quote(near) + '?'));
             return nullptr;
         }
         symbol = choose(found, part, diagnostics);
         if (symbol == nullptr) return nullptr;
     }
     return symbol;
+}
+
+bool is_declared(const Scope& scope, const ast::ScopedName& name) {
+    return !name.parts.empty() && !find_outwards(scope, name).empty();
 }
 
 }  // namespace canorb::idlc::check

@@ -14,24 +14,29 @@ namespace canorb::idlc::check {
 
 class Scope;
 
+inline std::string quote(std::string_view text) {
+    return '\'' + std::string{text} + '\'';
+}
+
 /// What a name stands for.
 struct Symbol {
     enum class Kind : std::uint8_t {
         module,
         type,
         constant,
-        enumerator,
+        enumerator,  ///< or a flag of a bitmask
         exception,
-        operation,  ///< or an attribute
-        other,      ///< a member or a parameter
+        operation,   ///< or an attribute
+        annotation,  ///< declared by @annotation; its name is "@name", so that it meets no other
+        other,       ///< a member or a parameter
     };
 
     std::string name;  ///< as declared
     Location where;
     Kind kind = Kind::other;
-    model::Definition* definition = nullptr;  ///< for an enumerator: its enum
+    model::Definition* definition = nullptr;  ///< for an enumerator: its enum or bitmask
     std::size_t enumerator = 0;
-    Scope* scope = nullptr;  ///< what its name opens: of modules and interfaces
+    Scope* scope = nullptr;  ///< what its name opens: of modules, interfaces, structs, ...
 };
 
 /// The names of a module, an interface, a struct or a parameter list. IDL compares names without
@@ -61,7 +66,10 @@ class Scope {
 
     /// Notes that `name` was used here for something declared elsewhere: from then on it cannot be
     /// declared here with another meaning.
-    void use(const std::string& name, Location where);
+    void use(const ast::Identifier& name);
+
+    /// The name that is most like this one, of those visible from here; empty when none is near.
+    std::string similar(std::string_view name) const;
 
   private:
     Kind kind_;
@@ -69,14 +77,17 @@ class Scope {
     std::string name_;
     std::vector<const Scope*> ancestors_;  ///< direct or not, each once
     std::map<std::string, Symbol, std::less<>> symbols_;
-    std::map<std::string, Location, std::less<>> used_;
+    std::map<std::string, ast::Identifier, std::less<>> used_;
 };
 
 std::string lower_case(std::string_view name);
 
 /// Resolves a scoped name from within `scope`, outwards; null when it fails, which is reported.
-/// `what` says what is looked for, "type".
-const Symbol* resolve(Scope& scope, const ast::ScopedName& name, std::string_view what,
+/// `what` says what is looked for, "type". It is no use of the name: see Scope::use().
+const Symbol* resolve(const Scope& scope, const ast::ScopedName& name, std::string_view what,
                       Diagnostics& diagnostics);
+
+/// Whether the name's first part is declared by anybody, as seen from `scope`.
+bool is_declared(const Scope& scope, const ast::ScopedName& name);
 
 }  // namespace canorb::idlc::check

@@ -65,7 +65,7 @@ std::string declared(const Step& step, const Names& names) {
         const bool is_struct = std::holds_alternative<model::Struct>(definition.body);
         return (is_struct ? "struct " : "class ") + names.own(definition) + ";\n";
     }
-    if (std::holds_alternative<model::ForwardInterface>(definition.body)) {
+    if (std::holds_alternative<model::Forward>(definition.body)) {
         return "class " + names.own(definition) + ";\n";
     }
     const std::string text = as_interface(definition) != nullptr

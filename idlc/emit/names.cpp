@@ -86,6 +86,8 @@ std::string_view basic_type(TypeKind kind) {
             return "bool";
         case TypeKind::character:
             return "char";
+        case TypeKind::wide_character:
+            return "char16_t";
         case TypeKind::octet:
         case TypeKind::uint8:
             return "std::uint8_t";
@@ -107,10 +109,18 @@ std::string_view basic_type(TypeKind kind) {
             return "float";
         case TypeKind::float64:
             return "double";
+        case TypeKind::float128:
+            return "long double";
+        case TypeKind::any:
+            return "canorb::Any";
         case TypeKind::object:
             return "canorb::ObjectRef";
+        case TypeKind::type_code:
+            return "canorb::TypeCode";
         case TypeKind::string:
             return "std::string";
+        case TypeKind::wide_string:
+            return "std::u16string";
         default:
             return "";
     }
@@ -133,13 +143,39 @@ std::string quoted(std::string_view text) {
     return literal + '"';
 }
 
-template <typename Float>
-std::string floating(Float value) {
+/// A literal of UTF-16 units; `quote` delimits it.
+std::string wide_literal(std::u16string_view text, char quote) {
+    constexpr std::string_view digits = "0123456789ABCDEF";
+    std::string literal{'u', quote};
+    for (const char16_t unit : text) {
+        if (unit < 0x80) {
+            literal += literal_character(static_cast<char>(unit), quote);
+            continue;
+        }
+        // Not \u: it cannot say half of a pair. Octal: a digit that follows could be taken for one
+        // of \x.
+        const bool small = unit < 01000;
+        literal += small ? "\\" : "\" u\"\\x";
+        for (int shift = small ? 6 : 12; shift >= 0; shift -= small ? 3 : 4) {
+            literal += digits[static_cast<std::size_t>((unit >> shift) & (small ? 7 : 15))];
+        }
+        if (!small) literal += "\" u\"";
+    }
+    return literal + quote;
+}
+
+std::string floating(long double value, TypeKind kind) {
     std::array<char, 64> buffer{};
-    const auto [end, error] = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value);
+    char* const last = buffer.data() + buffer.size();
+    const auto [end, error] =
+        kind == TypeKind::float32   ? std::to_chars(buffer.data(), last, static_cast<float>(value))
+        : kind == TypeKind::float64 ? std::to_chars(buffer.data(), last, static_cast<double>(value))
+                                    : std::to_chars(buffer.data(), last, value);
     std::string text{buffer.data(), end};
     if (text.find_first_of(".e") == std::string::npos) text += ".0";
-    return std::is_same_v<Float, float> ? text + 'F' : text;
+    if (kind == TypeKind::float32) text += 'F';
+    if (kind == TypeKind::float128) text += 'L';
+    return text;
 }
 
 }  // namespace
@@ -237,6 +273,12 @@ std::string Names::type(const model::Type& type, const Context& context) const {
                        bound + '>';
             }
             return "std::vector<" + this->type(*type.element, context) + '>';
+        case TypeKind::map:
+            return "std::map<" + this->type(*type.key, context) + ", " +
+                   this->type(*type.element, context) + '>';
+        case TypeKind::fixed:
+            return "canorb::Fixed<" + std::to_string(type.digits) + ", " +
+                   std::to_string(type.scale) + '>';
         case TypeKind::string:
             if (model::is_inline(type)) return "canorb::BoundedString<" + bound + '>';
             break;
@@ -263,36 +305,45 @@ std::string Names::parameter(const model::Parameter& parameter, const Context& c
     return type + ' ' + identifier(parameter.name);
 }
 
-std::string Names::value(const model::Constant& constant, const Context& context) const {
-    const model::Type& type = model::resolved(constant.type);
+std::string Names::value(const model::Value& value, const model::Type& type,
+                         const Context& context) const {
+    const model::Type& known = model::resolved(type);
     return std::visit(
-        [&](const auto& value) -> std::string {
-            using T = std::decay_t<decltype(value)>;
+        [&](const auto& one) -> std::string {
+            using T = std::decay_t<decltype(one)>;
             if constexpr (std::is_same_v<T, bool>) {
-                return value ? "true" : "false";
+                return one ? "true" : "false";
             } else if constexpr (std::is_same_v<T, char>) {
-                return '\'' + literal_character(value, '\'') + '\'';
+                return '\'' + literal_character(one, '\'') + '\'';
+            } else if constexpr (std::is_same_v<T, char16_t>) {
+                return one < 0x80 ? wide_literal({&one, 1}, '\'')
+                                  : "char16_t{" + std::to_string(unsigned{one}) + '}';
             } else if constexpr (std::is_same_v<T, std::string>) {
-                return quoted(value);
-            } else if constexpr (std::is_same_v<T, double>) {
-                return type.kind == TypeKind::float32 ? floating(static_cast<float>(value))
-                                                      : floating(value);
+                return quoted(one);
+            } else if constexpr (std::is_same_v<T, std::u16string>) {
+                return wide_literal(one, '"');
+            } else if constexpr (std::is_same_v<T, long double>) {
+                return floating(one, known.kind);
+            } else if constexpr (std::is_same_v<T, model::FixedValue>) {
+                return this->type(known, context) + "{\"" + one.text + "\"}";
             } else if constexpr (std::is_same_v<T, model::EnumeratorValue>) {
-                const auto& body = std::get<model::Enum>(value.enumeration->body);
-                return spell(*value.enumeration, context) +
-                       "::" + identifier(body.enumerators[value.index].name);
+                const auto& body = std::get<model::Enum>(one.enumeration->body);
+                return spell(*one.enumeration, context) +
+                       "::" + identifier(body.enumerators[one.index].name);
             } else if constexpr (std::is_same_v<T, std::int64_t>) {
                 // There is no literal for the lowest, only for one more.
-                if (value == std::numeric_limits<std::int64_t>::min()) {
-                    return std::to_string(value + 1) + " - 1";
+                if (one == std::numeric_limits<std::int64_t>::min()) {
+                    return std::to_string(one + 1) + " - 1";
                 }
-                return std::to_string(value);
+                return std::to_string(one);
             } else {
-                const bool wide = value > std::numeric_limits<std::uint32_t>::max() / 2;
-                return std::to_string(value) + (wide ? "U" : "");
+                const bool wide = one > std::numeric_limits<std::uint32_t>::max() / 2;
+                const std::string number = std::to_string(one) + (wide ? "U" : "");
+                if (known.kind != TypeKind::named) return number;
+                return "static_cast<" + spell(*known.definition, context) + ">(" + number + ')';
             }
         },
-        constant.value);
+        value);
 }
 
 std::string coded(const model::Type& type, std::string_view value) {
@@ -301,9 +352,18 @@ std::string coded(const model::Type& type, std::string_view value) {
     const model::Type* at = &model::resolved(type);
     while (at != nullptr && !model::is_inline(*at)) {
         // An array has no bound of its own: its size is part of its type.
-        if (at->kind == TypeKind::string || at->kind == TypeKind::sequence) {
+        if (at->kind == TypeKind::string || at->kind == TypeKind::wide_string ||
+            at->kind == TypeKind::sequence || at->kind == TypeKind::map) {
             bounds.push_back(std::to_string(at->bound));
             if (at->bound != 0) needed = bounds.size();
+        }
+        // A key has a place of its own where its C++ type is std::string or std::u16string.
+        if (at->key != nullptr && !model::is_inline(*at->key)) {
+            const model::Type& key = model::resolved(*at->key);
+            if (key.kind == TypeKind::string || key.kind == TypeKind::wide_string) {
+                bounds.push_back(std::to_string(key.bound));
+                if (key.bound != 0) needed = bounds.size();
+            }
         }
         at = at->element != nullptr ? &model::resolved(*at->element) : nullptr;
     }

@@ -42,7 +42,9 @@ class Names {
                          const Context& context) const;
     /// As a parameter: by value what is a scalar, else by reference.
     std::string parameter(const model::Parameter& parameter, const Context& context) const;
-    std::string value(const model::Constant& constant, const Context& context) const;
+    /// A value as an expression of the type.
+    std::string value(const model::Value& value, const model::Type& type,
+                      const Context& context) const;
 
   private:
     std::string path(const model::Definition* definition) const;

@@ -107,10 +107,14 @@ std::string constant_declaration(const model::Definition& definition,
                                  const model::Constant& constant, const Names& names) {
     const Context context = beside(definition);
     const bool in_class = context.kind == Context::Kind::in_stub;
-    const bool is_string = model::resolved(constant.type).kind == model::TypeKind::string;
-    return std::string{in_class ? "static" : "inline"} + " constexpr " +
-           (is_string ? "std::string_view" : names.type(constant.type, context)) + ' ' +
-           names.own(definition) + " = " + names.value(constant, context) + ";\n";
+    const model::TypeKind kind = model::resolved(constant.type).kind;
+    const std::string type = kind == model::TypeKind::string ? "std::string_view"
+                             : kind == model::TypeKind::wide_string
+                                 ? "std::u16string_view"
+                                 : names.type(constant.type, context);
+    return std::string{in_class ? "static" : "inline"} + " constexpr " + type + ' ' +
+           names.own(definition) + " = " + names.value(constant.value, constant.type, context) +
+           ";\n";
 }
 
 std::string declaration(const model::Definition& definition, const Names& names) {
