@@ -2,25 +2,22 @@
 
 #include <algorithm>
 #include <array>
+#include <set>
 #include <utility>
 
 namespace canorb::idlc {
 
 namespace {
 
-// The words of the building blocks that make up plain CORBA interfaces. Those of the component
-// model (port, home, provides, ...) stay free for users.
+// The words of CORBA 2.6.
 constexpr std::array keywords = {
-    "FALSE",    "Object",      "TRUE",      "ValueBase", "abstract",   "any",       "attribute",
-    "bitfield", "bitmask",     "bitset",    "boolean",   "case",       "char",      "const",
-    "context",  "custom",      "default",   "double",    "enum",       "exception", "factory",
-    "fixed",    "float",       "getraises", "in",        "inout",      "int16",     "int32",
-    "int64",    "int8",        "interface", "local",     "long",       "map",       "module",
-    "native",   "octet",       "oneway",    "out",       "private",    "public",    "raises",
-    "readonly", "sequence",    "setraises", "short",     "string",     "struct",    "supports",
-    "switch",   "truncatable", "typedef",   "typeid",    "typeprefix", "uint16",    "uint32",
-    "uint64",   "uint8",       "union",     "unsigned",  "valuetype",  "void",      "wchar",
-    "wstring"};
+    "FALSE",   "Object",    "TRUE",      "ValueBase", "abstract", "any",         "attribute",
+    "boolean", "case",      "char",      "const",     "context",  "custom",      "default",
+    "double",  "enum",      "exception", "factory",   "fixed",    "float",       "in",
+    "inout",   "interface", "local",     "long",      "module",   "native",      "octet",
+    "oneway",  "out",       "private",   "public",    "raises",   "readonly",    "sequence",
+    "short",   "string",    "struct",    "supports",  "switch",   "truncatable", "typedef",
+    "union",   "unsigned",  "valuetype", "void",      "wchar",    "wstring"};
 
 bool is_digit(char c) {
     return c >= '0' && c <= '9';
@@ -82,10 +79,39 @@ std::vector<std::string> block_comment_lines(std::string_view text) {
     return lines;
 }
 
+/// The character at the front of `text`, and how many octets it has. Octets that are no UTF-8 are
+/// taken for Latin-1.
+std::pair<char32_t, std::size_t> decode(std::string_view text) {
+    const auto octet = [&](std::size_t i) {
+        return i < text.size() ? static_cast<unsigned char>(text[i]) : 0U;
+    };
+    const char32_t lead = octet(0);
+    const std::size_t size = lead < 0xC2 ? 1 : lead < 0xE0 ? 2 : lead < 0xF0 ? 3 : 4;
+    if (size == 1 || lead > 0xF4) return {lead, 1};
+    char32_t value = lead & (0x7FU >> size);
+    for (std::size_t i = 1; i < size; ++i) {
+        if ((octet(i) & 0xC0U) != 0x80U) return {lead, 1};
+        value = value << 6 | (octet(i) & 0x3FU);
+    }
+    constexpr std::array<char32_t, 5> least = {0, 0, 0x80, 0x800, 0x10000};
+    const bool surrogate = value >= 0xD800 && value < 0xE000;
+    if (value < least[size] || surrogate || value > 0x10FFFF) return {lead, 1};
+    return {value, size};
+}
+
+void append(std::u16string& text, char32_t character) {
+    if (character > 0xFFFF) {
+        text += static_cast<char16_t>(0xD7C0 + (character >> 10));
+        character = 0xDC00 + (character & 0x3FF);
+    }
+    text += static_cast<char16_t>(character);
+}
+
 class Lexer {
   public:
-    Lexer(const Source& source, Diagnostics& diagnostics)
-        : text_(source.text()), diagnostics_(diagnostics) {}
+    /// The tokens of `text` from `begin` on.
+    Lexer(std::string_view text, std::size_t begin, Diagnostics& diagnostics)
+        : text_(text), diagnostics_(diagnostics), at_(begin), token_on_this_line_(begin != 0) {}
 
     std::vector<Token> run() {
         while (!diagnostics_.full()) {
@@ -105,10 +131,16 @@ class Lexer {
     Location here() const { return {static_cast<std::uint32_t>(at_)}; }
     static Location location(std::size_t offset) { return {static_cast<std::uint32_t>(offset)}; }
 
-    void add(TokenKind kind, std::size_t begin, std::string value = {}) {
-        tokens_.push_back({kind, text_.substr(begin, at_ - begin), location(begin),
-                           std::move(value), std::exchange(comment_, {})});
-        token_on_this_line_ = true;
+    Token& add(TokenKind kind, std::size_t begin) {
+        Token token;
+        token.kind = kind;
+        token.text = text_.substr(begin, at_ - begin);
+        token.where = location(begin);
+        token.first_on_line = !std::exchange(token_on_this_line_, true);
+        token.comment = std::exchange(comment_, {});
+        token.directives = std::exchange(directives_, {});
+        tokens_.push_back(std::move(token));
+        return tokens_.back();
     }
 
     void skip_blanks_and_comments() {
@@ -164,36 +196,60 @@ class Lexer {
     }
 
     void take_directive() {
+        const std::size_t begin = at_;
         const std::size_t end = std::min(text_.find('\n', at_), text_.size());
-        const std::string line{trim(text_.substr(at_, end - at_))};
-        if (line.starts_with("#pragma")) {
-            const std::string_view rest = trim(std::string_view{line}.substr(7));
-            const std::string word{rest.substr(0, rest.find_first_of(" \t"))};
-            if (word == "prefix" || word == "version" || word == "ID") {
-                diagnostics_.error(here(), "#pragma " + word + " is not supported yet");
-            } else {
-                diagnostics_.warning(here(), "unknown #pragma, ignored");
-            }
-        } else {
-            diagnostics_.error(here(), "not a preprocessor directive that IDL knows");
+        skip_spaces_behind(begin + 1);
+        const std::string_view word = take_directive_word();
+        if (word == "pragma") {
+            take_pragma(begin, end);
+        } else if (!is_without_meaning(word)) {
+            diagnostics_.error(location(begin), "not a preprocessor directive that IDL knows");
         }
         at_ = end;
         line_is_blank_ = false;
     }
 
+    /// Of a directive that says nothing to an IDL compiler, such as `# 12`.
+    static bool is_without_meaning(std::string_view word) {
+        return word == "line" || word == "ident" || word == "sccs" || word == "warning" ||
+               (!word.empty() && is_digit(word.front()));
+    }
+
+    void skip_spaces_behind(std::size_t offset) {
+        at_ = offset;
+        while (peek() == ' ' || peek() == '\t') ++at_;
+    }
+
+    std::string_view take_directive_word() {
+        const std::size_t begin = at_;
+        while (is_word(peek())) ++at_;
+        return text_.substr(begin, at_ - begin);
+    }
+
+    void take_pragma(std::size_t begin, std::size_t end) {
+        skip_spaces_behind(at_);
+        const std::size_t first = at_;
+        const std::string_view word = take_directive_word();
+        if (word == "prefix" || word == "ID" || word == "version") {
+            Lexer line{text_.substr(0, end), first, diagnostics_};
+            directives_.push_back({location(begin), line.run()});
+        } else if (unknown_pragmas_.insert(word).second) {
+            diagnostics_.warning(location(begin),
+                                 word.empty()
+                                     ? "unknown #pragma, ignored"
+                                     : "unknown #pragma '" + std::string{word} + "', ignored");
+        }
+    }
+
     void lex_token() {
         const char c = peek();
-        if (c == 'L' && (peek(1) == '"' || peek(1) == '\'')) {
-            diagnostics_.error(here(), "wide character and string literals are not supported yet");
-            ++at_;
-            return lex_quoted();
-        }
+        if (c == 'L' && (peek(1) == '"' || peek(1) == '\'')) return lex_wide_literal();
         const bool foreign_name = c == '\\' && (peek(1) == 'u' || peek(1) == 'U');
         if (is_letter(c) || c == '_' || foreign_name || static_cast<unsigned char>(c) >= 0x80) {
             return lex_word();
         }
         if (is_digit(c) || (c == '.' && is_digit(peek(1)))) return lex_number();
-        if (c == '"' || c == '\'') return lex_quoted();
+        if (c == '"' || c == '\'') return lex_literal();
         lex_punctuation();
     }
 
@@ -228,8 +284,8 @@ class Lexer {
         }
         const std::string_view word = text_.substr(begin, at_ - begin);
         if (word.starts_with('_')) {
-            add(TokenKind::identifier, begin);
-            Token& token = tokens_.back();
+            Token& token = add(TokenKind::identifier, begin);
+            token.escaped = true;
             token.text.remove_prefix(1);
             if (token.text.empty() || !is_letter(token.text.front())) {
                 diagnostics_.error(token.where, "an identifier begins with a letter");
@@ -237,7 +293,9 @@ class Lexer {
             }
             return;
         }
+        const bool annotation = !tokens_.empty() && tokens_.back().text == "@";
         add(is_keyword(word) ? TokenKind::keyword : TokenKind::identifier, begin);
+        if (annotation) return;
         const std::string_view keyword = collides_with_keyword(word);
         if (keyword.empty()) return;
         diagnostics_.error(location(begin), "'" + std::string{word} +
@@ -265,68 +323,128 @@ class Lexer {
                 while (is_digit(peek())) ++at_;
             }
         }
-        if (lower(peek()) == 'd' && !is_word(peek(1))) {
-            diagnostics_.error(location(begin), "fixed-point literals are not supported yet");
+        const bool exponent =
+            kind == TokenKind::floating &&
+            text_.substr(begin, at_ - begin).find_first_of("eE") != std::string_view::npos;
+        if (lower(peek()) == 'd' && !is_word(peek(1)) && !exponent) {
+            kind = TokenKind::fixed;
             ++at_;
         }
         add(kind, begin);
         if (!is_word(peek())) return;
-        diagnostics_.error(here(), "a number ends here, and this does not belong to it");
+        const std::size_t rest = at_;
         while (is_word(peek())) ++at_;
+        const bool suffix =
+            text_.substr(rest, at_ - rest).find_first_not_of("uUlLfF") == std::string_view::npos;
+        diagnostics_.error(location(rest),
+                           suffix ? "numbers of IDL have no suffix: leave it out"
+                                  : "a number ends here, and this does not belong to it");
     }
 
-    void lex_quoted() {
-        const std::size_t begin = at_;
-        const char quote = peek();
-        ++at_;
-        std::string value;
-        while (peek() != quote) {
+    /// Goes through a literal from its opening quote to behind its closing one: `take` takes one
+    /// character each time. False when there is no closing one.
+    template <typename Take>
+    bool lex_quoted(std::size_t begin, Take take) {
+        const char quote = text_[at_++];
+        while (peek() != quote || at_ == text_.size()) {
             if (at_ == text_.size() || peek() == '\n') {
                 diagnostics_.error(location(begin), "this literal has no closing quote");
-                break;
+                return false;
             }
-            value.push_back(peek() == '\\' ? escape() : text_[at_++]);
+            take();
         }
-        if (peek() == quote) ++at_;
-        if (quote == '\'' && value.size() != 1) {
-            diagnostics_.error(location(begin), "a character literal is one character");
-            value = "?";
-        }
-        if (quote == '"' && value.find('\0') != std::string::npos) {
-            diagnostics_.error(location(begin), "a string cannot contain a NUL");
-            std::erase(value, '\0');
-        }
-        add(quote == '"' ? TokenKind::string : TokenKind::character, begin, std::move(value));
+        ++at_;
+        return true;
     }
 
-    char escape() {
+    void lex_literal() {
+        const std::size_t begin = at_;
+        const bool is_string = peek() == '"';
+        std::string value;
+        const bool closed = lex_quoted(begin, [&] {
+            value.push_back(peek() == '\\' ? static_cast<char>(escape(false)) : text_[at_++]);
+        });
+        if (closed) check_literal(value, is_string, begin);
+        if (!is_string) value.resize(1);
+        add(is_string ? TokenKind::string : TokenKind::character, begin).value = std::move(value);
+    }
+
+    void lex_wide_literal() {
+        const std::size_t begin = at_++;
+        const bool is_string = peek() == '"';
+        std::u16string value;
+        const bool closed = lex_quoted(begin, [&] {
+            if (peek() == '\\') {
+                value.push_back(static_cast<char16_t>(escape(true)));
+                return;
+            }
+            const auto [character, size] = decode(text_.substr(at_));
+            append(value, character);
+            at_ += size;
+        });
+        if (closed) check_literal(value, is_string, begin);
+        if (!is_string) value.resize(1);
+        add(is_string ? TokenKind::wide_string : TokenKind::wide_character, begin).wide_value =
+            std::move(value);
+    }
+
+    template <typename Text>
+    void check_literal(Text& value, bool is_string, std::size_t begin) {
+        if (is_string && std::erase(value, '\0') != 0) {
+            diagnostics_.error(location(begin), "a string cannot contain a NUL");
+        } else if (!is_string && value.size() != 1) {
+            const char32_t first = decode(text_.substr(text_.find('\'', begin) + 1)).first;
+            const bool one = value.size() == (first < 0x800 ? 2 : first < 0x10000 ? 3 : 4);
+            diagnostics_.error(
+                location(begin),
+                sizeof(value[0]) == 1 && one && first > 0x7F
+                    ? "this character has several octets: write L before the quote, for a wchar"
+                : first > 0xFFFF && value.size() == 2
+                    ? "this character is beyond what a wchar holds"
+                    : "a character literal is one character");
+        }
+    }
+
+    /// The number of up to `most` digits here.
+    unsigned number(unsigned base, int most) {
+        unsigned value = 0;
+        const auto is_digit_here = [&] { return base == 8 ? is_octal(peek()) : is_hex(peek()); };
+        for (int digits = 0; digits < most && is_digit_here(); ++digits) {
+            value = value * base + hex_value(text_[at_++]);
+        }
+        return value;
+    }
+
+    /// What the escape stands for: an octet, or a UTF-16 code unit in a wide literal.
+    unsigned escape(bool wide) {
         const Location where = here();
         ++at_;  // the backslash
         constexpr std::string_view letters = "ntvbrfa\\?'\"";
         constexpr std::string_view values = "\n\t\v\b\r\f\a\\?'\"";
         const char c = peek();
-        const std::size_t simple = letters.find(c);
-        if (c != '\0' && simple != std::string_view::npos) {
+        if (const std::size_t simple = letters.find(c); c != '\0' && simple != letters.npos) {
             ++at_;
-            return values[simple];
-        }
-        unsigned value = 0;
-        if (c == 'x' && is_hex(peek(1))) {
-            ++at_;
-            for (int digits = 0; digits < 2 && is_hex(peek()); ++digits) {
-                value = value * 16 + hex_value(text_[at_++]);
-            }
-            return static_cast<char>(value);
+            return static_cast<unsigned char>(values[simple]);
         }
         if (is_octal(c)) {
-            for (int digits = 0; digits < 3 && is_octal(peek()); ++digits) {
-                value = value * 8 + hex_value(text_[at_++]);
-            }
-            if (value > 0xFF) diagnostics_.error(where, "this escape is no octet");
-            return static_cast<char>(value);
+            const unsigned value = number(8, 3);
+            if (wide || value <= 0xFF) return value;
+            diagnostics_.error(where, "this escape is no octet");
+            return '?';
         }
-        diagnostics_.error(where, "unknown escape in a literal");
-        return '\\';
+        if ((c == 'x' || c == 'u') && is_hex(peek(1))) {
+            if (c == 'u' && !wide) {
+                diagnostics_.error(where, "\\u is for wide literals: write L before the quote");
+            }
+            ++at_;
+            return number(16, c == 'x' ? 2 : 4);
+        }
+        if (at_ == text_.size() || c == '\n') return '\\';  // there is no closing quote either
+        diagnostics_.warning(
+            where, is_word(c) ? std::string{"IDL does not define the escape '\\"} + c +
+                                    "', it is taken for '" + c + "'"
+                              : "IDL does not define this escape, its backslash is left out");
+        return static_cast<unsigned char>(text_[at_++]);
     }
 
     void lex_punctuation() {
@@ -335,10 +453,14 @@ class Lexer {
         const std::string_view two = text_.substr(at_, 2);
         if (two == "::" || two == "<<" || two == ">>") {
             at_ += 2;
-            return add(TokenKind::punctuation, begin);
+            add(TokenKind::punctuation, begin);
+            return;
         }
         const char c = text_[at_++];
-        if (single.find(c) != std::string_view::npos) return add(TokenKind::punctuation, begin);
+        if (single.find(c) != std::string_view::npos) {
+            add(TokenKind::punctuation, begin);
+            return;
+        }
         const bool printable = c > ' ' && c < 127;
         diagnostics_.error(location(begin),
                            printable ? "'" + std::string(1, c) + "' has no meaning in IDL"
@@ -347,11 +469,13 @@ class Lexer {
 
     std::string_view text_;
     Diagnostics& diagnostics_;
-    std::size_t at_ = 0;
+    std::size_t at_;
     std::vector<Token> tokens_;
     std::vector<std::string> comment_;
+    std::vector<Directive> directives_;
+    std::set<std::string_view> unknown_pragmas_;
     bool line_is_blank_ = true;
-    bool token_on_this_line_ = false;
+    bool token_on_this_line_;
 };
 
 }  // namespace
@@ -371,7 +495,7 @@ std::string_view collides_with_keyword(std::string_view word) {
 }
 
 std::vector<Token> tokenize(const Source& source, Diagnostics& diagnostics) {
-    return Lexer{source, diagnostics}.run();
+    return Lexer{source.text(), 0, diagnostics}.run();
 }
 
 }  // namespace canorb::idlc

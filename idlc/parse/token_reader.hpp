@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -46,14 +48,18 @@ class TokenReader {
         TokenReader& reader_;
     };
 
+    const Token& peek(std::size_t ahead) const {
+        return tokens_[std::min(at_ + ahead, tokens_.size() - 1)];
+    }
     const Token& current() const { return tokens_[at_]; }
-    const Token& next() const { return tokens_[at_ + 1 < tokens_.size() ? at_ + 1 : at_]; }
+    const Token& next() const { return peek(1); }
     void advance() {
         if (at_ + 1 < tokens_.size()) ++at_;
         half_taken_ = false;
     }
-    bool is(std::string_view text) const {
-        const Token& token = current();
+    /// Whether a keyword or a sign is here.
+    bool is(std::string_view text) const { return is(current(), text); }
+    static bool is(const Token& token, std::string_view text) {
         return (token.kind == TokenKind::keyword || token.kind == TokenKind::punctuation) &&
                token.text == text;
     }
@@ -62,36 +68,46 @@ class TokenReader {
         advance();
         return true;
     }
+    /// Whether a word is here that has a meaning in some places and is a name elsewhere.
+    bool is_word(std::string_view text) const { return is_word(current(), text); }
+    static bool is_word(const Token& token, std::string_view text) {
+        return token.kind == TokenKind::identifier && !token.escaped && token.text == text;
+    }
+    static bool is_name(const Token& token) { return token.kind == TokenKind::identifier; }
+    /// A name or a keyword.
+    static bool is_any_word(const Token& token) {
+        return token.kind == TokenKind::identifier || token.kind == TokenKind::keyword;
+    }
+    bool at_end() const { return current().kind == TokenKind::end; }
+
+    void error(std::string text) { diagnostics_.error(current().where, std::move(text)); }
     [[noreturn]] void fail(std::string text) {
-        diagnostics_.error(current().where, std::move(text));
+        error(std::move(text));
         throw GiveUp{};
     }
     [[noreturn]] void fail_expected(const std::string& what) {
-        const Token& token = current();
         fail("expected " + what + ", not " +
-             (token.kind == TokenKind::end ? "the end of the file" : quote(token.text)));
+             (at_end() ? "the end of the file" : quote(current().text)));
     }
     [[noreturn]] void fail_unsupported(const std::string& what) {
-        fail(what + " is not supported yet");
+        fail(what + " is not supported (see doc/idl-support.md)");
     }
     void expect(std::string_view text, std::string_view behind) {
-        if (take(text)) return;
-        if (text == ";" && at_ > 0) {
-            // The place to mend is behind the token before.
-            const Token& before = tokens_[at_ - 1];
-            diagnostics_.error(
-                {before.where.offset + static_cast<std::uint32_t>(before.text.size())},
-                "expected ';' after " + std::string{behind});
-            if (begins_declaration()) return;
-            throw GiveUp{};
-        }
-        fail_expected(quote(text) + " after " + std::string{behind});
+        if (!take(text)) fail_expected(quote(text) + " after " + std::string{behind});
     }
-    /// Whether it looks as if only a semicolon was forgotten.
+    void expect_semicolon(std::string_view behind) {
+        if (take(";")) return;
+        // The place to mend is behind the token before.
+        const Token& before = tokens_[at_ - 1];
+        diagnostics_.error({before.where.offset + static_cast<std::uint32_t>(before.text.size())},
+                           "expected ';' after " + std::string{behind});
+        // Only the semicolon is missing where something new begins.
+        if (!current().first_on_line && !is("}") && !begins_declaration()) throw GiveUp{};
+    }
     bool begins_declaration() const {
         for (const std::string_view word :
-             {"}", "module", "interface", "struct", "enum", "typedef", "const", "exception",
-              "attribute", "readonly", "oneway", "void"}) {
+             {"module", "interface", "struct", "union", "enum", "typedef", "const", "exception",
+              "native", "attribute", "readonly", "oneway", "void", "local", "abstract"}) {
             if (is(word)) return true;
         }
         return false;
@@ -105,26 +121,24 @@ class TokenReader {
         expect(">", "the type's arguments");
     }
 
+    /// The name that a declaration gives.
     ast::Identifier identifier(const std::string& what) {
-        if (current().kind != TokenKind::identifier) {
-            if (current().kind == TokenKind::keyword) {
-                fail("expected " + what + ", but " + quote(current().text) +
-                     " is a keyword (write '_" + std::string{current().text} +
-                     "' to use it as a name)");
-            }
-            fail_expected(what);
-        }
-        ast::Identifier name{std::string{current().text}, current().where};
-        advance();
-        return name;
+        declared_.insert(current().text);
+        return name_part(what);
     }
 
     ast::ScopedName scoped_name(const std::string& what) {
         ast::ScopedName name;
         name.global = take("::");
-        do {
-            name.parts.push_back(identifier(what));
-        } while (take("::"));
+        name.parts.push_back(name_part(what));
+        while (take("::")) {
+            // CORBA::Object and CORBA::ValueBase are names, their last part is a keyword.
+            if (is("Object") || is("ValueBase")) {
+                name.parts.push_back(take_identifier());
+                break;
+            }
+            name.parts.push_back(name_part(what));
+        }
         return name;
     }
 
@@ -136,11 +150,29 @@ class TokenReader {
         return names;
     }
 
+    ast::Identifier take_identifier() {
+        ast::Identifier name{std::string{current().text}, current().where};
+        advance();
+        return name;
+    }
+
     const std::vector<Token>& tokens_;
     Diagnostics& diagnostics_;
     std::size_t at_ = 0;
     int depth_ = 0;
-    bool half_taken_ = false;  ///< the first > of the current >> is used
+    bool half_taken_ = false;              ///< the first > of the current >> is used
+    std::set<std::string_view> declared_;  ///< every name that was given so far
+
+  private:
+    ast::Identifier name_part(const std::string& what) {
+        if (current().kind == TokenKind::keyword) {
+            const std::string word{current().text};
+            fail("expected " + what + ", but '" + word + "' is a keyword (write '_" + word +
+                 "' to use it as a name)");
+        }
+        if (!is_name(current())) fail_expected(what);
+        return take_identifier();
+    }
 };
 
 }  // namespace canorb::idlc::parse

@@ -1,17 +1,40 @@
 #include "idlc/parse/type_parser.hpp"
 
-#include <charconv>
+#include <string>
 #include <utility>
 
 namespace canorb::idlc::parse {
 
-using ast::Operator;
 using ast::TypeKind;
 
 namespace {
 
-// Of the binary operators: * / and %.
-constexpr int tightest = 5;
+/// A type of another language, and what IDL has for it.
+struct ForeignType {
+    std::string_view word;
+    std::string_view instead;
+    TypeKind kind;
+};
+
+constexpr ForeignType foreign_types[] = {
+    {"int", "'long' or 'int32'", TypeKind::int32},
+    {"integer", "'long' or 'int32'", TypeKind::int32},
+    {"uint", "'unsigned long' or 'uint32'", TypeKind::uint32},
+    {"size_t", "'unsigned long' or 'uint32'", TypeKind::uint32},
+    {"bool", "'boolean'", TypeKind::boolean},
+    {"byte", "'octet' or 'uint8'", TypeKind::octet},
+    {"int8_t", "'int8'", TypeKind::int8},
+    {"uint8_t", "'octet' or 'uint8'", TypeKind::octet},
+    {"int16_t", "'short' or 'int16'", TypeKind::int16},
+    {"uint16_t", "'unsigned short' or 'uint16'", TypeKind::uint16},
+    {"int32_t", "'long' or 'int32'", TypeKind::int32},
+    {"uint32_t", "'unsigned long' or 'uint32'", TypeKind::uint32},
+    {"int64_t", "'long long' or 'int64'", TypeKind::int64},
+    {"uint64_t", "'unsigned long long' or 'uint64'", TypeKind::uint64},
+    {"float32", "'float'", TypeKind::float32},
+    {"float64", "'double'", TypeKind::float64},
+    {"wchar_t", "'wchar'", TypeKind::wide_character},
+};
 
 }  // namespace
 
@@ -19,194 +42,220 @@ ast::Type TypeParser::type() {
     const Level level{*this};
     ast::Type type;
     type.where = current().where;
-    if (current().kind == TokenKind::identifier || is("::")) {
-        type.kind = TypeKind::name;
-        type.name = scoped_name("the name of a type");
+    if (is_name(current()) || is("::")) {
+        named_type(type);
     } else if (take("sequence")) {
         sequence(type);
     } else if (take("string")) {
         type.kind = TypeKind::string;
-        if (take("<")) {
-            type.bound = bound();
-            expect_closing_angle();
-        }
+        optional_bound(type);
+    } else if (take("wstring")) {
+        type.kind = TypeKind::wide_string;
+        optional_bound(type);
+    } else if (take("fixed")) {
+        fixed(type);
     } else {
         type.kind = basic_type();
+    }
+    reject_pointer_signs();
+    return type;
+}
+
+ast::Type TypeParser::constant_type() {
+    if (!is("fixed") || is(next(), "<")) {
+        ast::Type type = this->type();
+        if (type.kind == TypeKind::fixed) {
+            diagnostics_.error(type.where,
+                               "a constant has its digits from its value: write 'fixed' only");
+        }
+        return type;
+    }
+    ast::Type type;
+    type.kind = TypeKind::fixed;
+    type.where = current().where;
+    advance();
+    return type;
+}
+
+ast::Type TypeParser::operation_type(std::string_view of) {
+    if (is("void")) {
+        fail(std::string{of} + " cannot be void: only an operation returns it");
+    }
+    ast::Type type = this->type();
+    // IDL 4 allows a map without a name here, CORBA none of its own types.
+    if (type.kind == TypeKind::sequence || type.kind == TypeKind::fixed) {
+        diagnostics_.error(type.where, "the type of " + std::string{of} +
+                                           " needs a name: declare it by 'typedef' before");
     }
     return type;
 }
 
-void TypeParser::sequence(ast::Type& type) {
-    type.kind = TypeKind::sequence;
-    expect("<", "'sequence'");
-    type.elements.push_back(this->type());
-    if (take(",")) type.bound = bound();
-    expect_closing_angle();
+void TypeParser::expect_open_angle(std::string_view behind) {
+    expect("<", behind);
+    ++open_angles_;
 }
 
-ast::Expression TypeParser::bound() {
-    const bool outer = std::exchange(in_template_, true);
-    ast::Expression value = expression();
-    in_template_ = outer;
-    return value;
+void TypeParser::close_angle() {
+    expect_closing_angle();
+    --open_angles_;
+}
+
+void TypeParser::optional_bound(ast::Type& type) {
+    if (!is("<")) return;
+    expect_open_angle("");
+    type.bound = template_argument();
+    close_angle();
+}
+
+void TypeParser::sequence(ast::Type& type) {
+    type.kind = TypeKind::sequence;
+    expect_open_angle("'sequence'");
+    type.elements.push_back(element_type());
+    if (take(",")) type.bound = template_argument();
+    close_angle();
+}
+
+void TypeParser::map(ast::Type& type) {
+    type.kind = TypeKind::map;
+    advance();
+    expect_open_angle("'map'");
+    type.elements.push_back(element_type());
+    expect(",", "the type of the map's keys");
+    type.elements.push_back(element_type());
+    if (take(",")) type.bound = template_argument();
+    close_angle();
+}
+
+void TypeParser::fixed(ast::Type& type) {
+    type.kind = TypeKind::fixed;
+    expect_open_angle("'fixed'");
+    type.bound = template_argument();
+    expect(",", "the number of digits");
+    type.scale = template_argument();
+    close_angle();
+}
+
+ast::Type TypeParser::element_type() {
+    if (is("@")) {
+        diagnostics_.warning(current().where, "annotations of elements are ignored");
+        annotations();
+    }
+    return type();
+}
+
+void TypeParser::named_type(ast::Type& type) {
+    if (is_word("map") && is(next(), "<")) return map(type);
+    if (foreign_type(type)) return;
+    const std::string word{current().text};
+    type.kind = TypeKind::name;
+    type.name = scoped_name("the name of a type");
+    if (is("<")) {
+        fail(quote(to_string(type.name)) + " takes no arguments: a list is 'sequence<...>'");
+    }
 }
 
 TypeKind TypeParser::basic_type() {
     constexpr std::pair<std::string_view, TypeKind> one_word[] = {
-        {"boolean", TypeKind::boolean}, {"char", TypeKind::character}, {"octet", TypeKind::octet},
-        {"int8", TypeKind::int8},       {"uint8", TypeKind::uint8},    {"int16", TypeKind::int16},
-        {"uint16", TypeKind::uint16},   {"int32", TypeKind::int32},    {"uint32", TypeKind::uint32},
-        {"int64", TypeKind::int64},     {"uint64", TypeKind::uint64},  {"float", TypeKind::float32},
-        {"double", TypeKind::float64},  {"Object", TypeKind::object},  {"short", TypeKind::int16},
+        {"boolean", TypeKind::boolean}, {"char", TypeKind::character},
+        {"octet", TypeKind::octet},     {"wchar", TypeKind::wide_character},
+        {"float", TypeKind::float32},   {"double", TypeKind::float64},
+        {"Object", TypeKind::object},   {"any", TypeKind::any},
     };
     for (const auto& [word, kind] : one_word) {
         if (take(word)) return kind;
     }
-    if (is("long") && next().text == "double") fail_unsupported("'long double'");
-    if (take("long")) return take("long") ? TypeKind::int64 : TypeKind::int32;
-    if (take("unsigned")) {
-        if (take("short")) return TypeKind::uint16;
-        if (take("long")) return take("long") ? TypeKind::uint64 : TypeKind::uint32;
-        fail_expected("'short' or 'long' after 'unsigned'");
+    if (take("short")) {
+        skip_surplus_int();
+        return TypeKind::int16;
     }
-    reject_unsupported();
+    if (take("long")) return long_type();
+    if (take("unsigned")) return unsigned_type();
+    if (is("struct") || is("union") || is("enum")) {
+        fail("declare the " + std::string{current().text} +
+             " before, and write its name alone here");
+    }
+    if (is("valuetype") || is("ValueBase")) fail_unsupported(quote(current().text));
     if (is("void")) fail("only an operation's result can be void");
     fail_expected("a type");
 }
 
-std::optional<TypeParser::Binary> TypeParser::binary_operator() const {
-    constexpr Binary operators[] = {
-        {"|", Operator::bit_or, 0},        {"^", Operator::bit_xor, 1},
-        {"&", Operator::bit_and, 2},       {"<<", Operator::shift_left, 3},
-        {">>", Operator::shift_right, 3},  {"+", Operator::add, 4},
-        {"-", Operator::subtract, 4},      {"*", Operator::multiply, tightest},
-        {"/", Operator::divide, tightest}, {"%", Operator::modulo, tightest},
-    };
-    for (const Binary& candidate : operators) {
-        if (candidate.op == Operator::shift_right && in_template_) continue;
-        if (is(candidate.symbol)) return candidate;
-    }
-    return std::nullopt;
+TypeKind TypeParser::long_type() {
+    if (take("double")) return TypeKind::float128;
+    const TypeKind kind = take("long") ? TypeKind::int64 : TypeKind::int32;
+    if (is("long")) fail("no type is longer than 'long long'");
+    if (is("unsigned")) fail("write 'unsigned' before 'long'");
+    skip_surplus_int();
+    return kind;
 }
 
-ast::Expression TypeParser::expression(int precedence) {
-    const Level level{*this};
-    ast::Expression left = unary();
-    // A chain grows the tree to the left: its length counts as depth for who walks the tree.
-    int chain = 0;
-    while (const std::optional<Binary> binary = binary_operator()) {
-        if (binary->precedence < precedence) break;
-        if (++chain > 4 * deepest) fail("too long an expression");
-        ast::Expression whole;
-        whole.op = binary->op;
-        whole.where = current().where;
+TypeKind TypeParser::unsigned_type() {
+    if (take("short")) {
+        skip_surplus_int();
+        return TypeKind::uint16;
+    }
+    if (is("long") && is(next(), "double")) fail("'long double' has a sign always");
+    if (take("long")) {
+        return long_type() == TypeKind::int64 ? TypeKind::uint64 : TypeKind::uint32;
+    }
+    if (is("char")) {
+        error("IDL has no 'unsigned char': write 'octet' or 'uint8'");
         advance();
-        whole.operands.push_back(std::move(left));
-        whole.operands.push_back(expression(binary->precedence + 1));
-        left = std::move(whole);
+        return TypeKind::octet;
     }
-    return left;
-}
-
-ast::Expression TypeParser::unary() {
-    const Level level{*this};
-    ast::Expression result;
-    result.where = current().where;
-    if (is("+") || is("-") || is("~")) {
-        result.op = is("+") ? Operator::plus : is("-") ? Operator::negate : Operator::complement;
+    if (is_word("int")) {
+        error("IDL has no 'int': write 'unsigned long' or 'uint32'");
         advance();
-        result.operands.push_back(unary());
-    } else if (take("(")) {
-        const bool outer = std::exchange(in_template_, false);
-        result = expression();
-        in_template_ = outer;
-        expect(")", "the expression");
-    } else if (current().kind == TokenKind::identifier || is("::")) {
-        result.op = Operator::name;
-        result.name = scoped_name("the name of a constant");
-    } else {
-        result.literal = literal();
+        return TypeKind::uint32;
     }
-    return result;
+    fail_expected("'short' or 'long' after 'unsigned'");
 }
 
-ast::Literal TypeParser::literal() {
-    const Token& token = current();
-    ast::Literal value;
-    switch (token.kind) {
-        case TokenKind::integer:
-            value = integer(token);
-            break;
-        case TokenKind::floating:
-            value = floating(token);
-            break;
-        case TokenKind::character:
-            value = token.value.empty() ? '?' : token.value.front();
-            break;
-        case TokenKind::string:
-            return string_literal();
-        default:
-            if (!is("TRUE") && !is("FALSE")) fail_expected("a constant value");
-            value = is("TRUE");
-    }
+/// The `int` of C's `long int x`.
+void TypeParser::skip_surplus_int() {
+    if (!is_word("int") || !is_name(next())) return;
+    error("IDL has no 'int': leave it out here");
     advance();
-    return value;
 }
 
-std::uint64_t TypeParser::integer(const Token& token) {
-    std::string_view digits = token.text;
-    int base = 10;
-    if (digits.starts_with("0x") || digits.starts_with("0X")) {
-        base = 16;
-        digits.remove_prefix(2);
-    } else if (digits.starts_with('0')) {
-        base = 8;
-    }
-    std::uint64_t value = 0;
-    const char* end = digits.data() + digits.size();
-    const auto [rest, error] = std::from_chars(digits.data(), end, value, base);
-    if (error == std::errc::result_out_of_range) {
-        diagnostics_.error(token.where, "this number is larger than any type of IDL holds");
-    } else if (error != std::errc{} || rest != end) {
-        diagnostics_.error(token.where, base == 8 ? "a number that begins with 0 is octal, "
-                                                    "and has digits 0 to 7 only"
-                                                  : "this is no number");
-    }
-    return value;
-}
-
-long double TypeParser::floating(const Token& token) {
-    long double value = 0;
-    const char* end = token.text.data() + token.text.size();
-    const auto [rest, error] = std::from_chars(token.text.data(), end, value);
-    if (error != std::errc{}) {
-        diagnostics_.error(token.where, "this number is out of the range of long double");
-    }
-    return value;
-}
-
-ast::Literal TypeParser::string_literal() {
-    ast::StringLiteral literal;
-    while (current().kind == TokenKind::string) {
-        literal.value += current().value;
+/// Reports a type of another language and takes it for what IDL has instead. Any of its words may
+/// be a name that was declared.
+bool TypeParser::foreign_type(ast::Type& type) {
+    if (current().escaped || declared_.contains(current().text)) return false;
+    if (is_word("std") && is(next(), "::")) {
+        error("IDL has no 'std::': leave it out");
         advance();
+        advance();
+        type = this->type();
+        return true;
     }
-    return literal;
+    if (is(next(), "::")) return false;
+    if (is_word("signed") && is_any_word(next())) {
+        error("IDL has no 'signed': leave it out, and write 'int8' for a 'signed char'");
+        advance();
+        type = this->type();
+        return true;
+    }
+    for (const ForeignType& foreign : foreign_types) {
+        if (!is_word(foreign.word)) continue;
+        error("IDL has no " + quote(foreign.word) + ": write " + std::string{foreign.instead});
+        advance();
+        type.kind = foreign.kind;
+        return true;
+    }
+    return false;
 }
 
-void TypeParser::reject_unsupported() {
-    for (const std::string_view feature :
-         {"union", "any", "fixed", "wchar", "wstring", "valuetype", "native", "bitmask", "bitset",
-          "map", "abstract", "local", "custom", "typeid", "typeprefix", "ValueBase", "context",
-          "factory"}) {
-        if (is(feature)) fail_unsupported(quote(feature));
-    }
+void TypeParser::reject_pointer_signs() {
+    if (!is("*") && !is("&")) return;
+    error("IDL has no pointers and no references: leave the " + quote(current().text) + " out");
+    while (is("*") || is("&")) advance();
 }
 
 std::vector<ast::Expression> TypeParser::dimensions() {
     std::vector<ast::Expression> sizes;
     while (take("[")) {
         const Level level{*this};
+        if (is("]")) fail("an array has a size: write a number here, or 'sequence<...>' instead");
         sizes.push_back(expression());
         expect("]", "the array's size");
         if (sizes.size() > deepest) fail("nested too deeply");

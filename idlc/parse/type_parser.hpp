@@ -1,46 +1,40 @@
 #pragma once
 
-#include <cstdint>
-#include <optional>
 #include <string_view>
 #include <vector>
 
-#include "idlc/parse/token_reader.hpp"
+#include "idlc/parse/expression_parser.hpp"
 
 namespace canorb::idlc::parse {
 
-/// Reads types and constant expressions.
-class TypeParser : public TokenReader {
+/// Reads types, and says what is IDL for types that other languages have.
+class TypeParser : public ExpressionParser {
   protected:
-    using TokenReader::TokenReader;
+    using ExpressionParser::ExpressionParser;
 
     ast::Type type();
+    /// Of a constant: a fixed has no digits there.
+    ast::Type constant_type();
+    /// Of a parameter, result or attribute (`of`), which CORBA wants named.
+    ast::Type operation_type(std::string_view of);
     /// The sizes of an array, none where there is no [.
     std::vector<ast::Expression> dimensions();
-    ast::Expression expression(int precedence = 0);
-    /// Names the feature where a keyword begins one that this compiler does not know.
-    void reject_unsupported();
-
-    bool in_template_ = false;  ///< inside of < >, where >> is no shift
 
   private:
-    struct Binary {
-        std::string_view symbol;
-        ast::Operator op;
-        int precedence;
-    };
-
+    void expect_open_angle(std::string_view behind);
+    void close_angle();
+    void optional_bound(ast::Type& type);
     void sequence(ast::Type& type);
-    /// A >> in it closes two templates; a shift needs parentheses.
-    ast::Expression bound();
+    void map(ast::Type& type);
+    void fixed(ast::Type& type);
+    ast::Type element_type();
+    void named_type(ast::Type& type);
     ast::TypeKind basic_type();
-
-    std::optional<Binary> binary_operator() const;
-    ast::Expression unary();
-    ast::Literal literal();
-    std::uint64_t integer(const Token& token);
-    long double floating(const Token& token);
-    ast::Literal string_literal();
+    ast::TypeKind unsigned_type();
+    ast::TypeKind long_type();
+    void skip_surplus_int();
+    bool foreign_type(ast::Type& type);
+    void reject_pointer_signs();
 };
 
 }  // namespace canorb::idlc::parse
