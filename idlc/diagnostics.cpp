@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <map>
+#include <optional>
+#include <set>
 #include <utility>
 
 namespace canorb::idlc {
@@ -19,9 +21,7 @@ void Diagnostics::note(Location where, std::string text) {
 }
 
 void Diagnostics::add(Severity severity, Location where, std::string text) {
-    last_was_dropped_ = std::any_of(all_.begin(), all_.end(), [&](const Diagnostic& earlier) {
-        return earlier.where == where && earlier.text == text;
-    });
+    last_was_dropped_ = !said_.emplace(where, text).second;
     if (last_was_dropped_) return;
     if (severity == Severity::error && ++errors_ > most_errors) {
         last_was_dropped_ = true;
@@ -44,13 +44,37 @@ std::string_view name(Severity severity) {
     return "note";
 }
 
-/// White space as wide as what is before the column, tabs kept, and a caret.
-std::string caret(const Position& position) {
-    std::string line = position.source_line.substr(0, position.column - 1);
-    for (char& c : line) {
-        if (c != '\t') c = ' ';
+/// The octets of UTF-8 behind a character's first.
+bool continues_character(char c) {
+    return (static_cast<unsigned char>(c) & 0xC0U) == 0x80U;
+}
+
+bool is_control(char c) {
+    return static_cast<unsigned char>(c) < 0x20 || c == 0x7F;
+}
+
+/// The source line and the caret below it. Of a line that is too long, what is around the caret.
+std::string excerpt(const Position& position) {
+    constexpr std::size_t most = 400;
+    constexpr std::size_t before_caret = 200;
+    std::string line = position.source_line;
+    std::size_t column = position.column - 1;
+    if (line.size() > most) {
+        const std::size_t begin = column > before_caret ? column - before_caret : 0;
+        line = (begin > 0 ? "..." : "") + line.substr(std::min(begin, line.size()), most) +
+               (begin + most < line.size() ? "..." : "");
+        column = column - begin + (begin > 0 ? 3 : 0);
     }
-    return line + '^';
+    // What a terminal would obey is not shown to it.
+    for (char& c : line) {
+        if (is_control(c) && c != '\t') c = ' ';
+    }
+    // White space as wide as what is before the caret, tabs kept.
+    std::string space;
+    for (const char c : line.substr(0, column)) {
+        if (!continues_character(c)) space += c == '\t' ? '\t' : ' ';
+    }
+    return line + '\n' + space + "^\n";
 }
 
 /// In the order of the source, notes behind what they belong to: each stage goes through the
@@ -69,18 +93,35 @@ std::vector<const Diagnostic*> sorted(const std::vector<Diagnostic>& diagnostics
     return result;
 }
 
+std::string included_from(const Diagnostic& diagnostic, const Source& source) {
+    std::string text;
+    auto place = source.included_from(diagnostic.where);
+    for (; place; place = source.included_from(*place)) {
+        text += format(Severity::note, source.position(*place), "included from here");
+    }
+    return text;
+}
+
 }  // namespace
+
+std::string format(Severity severity, const Position& position, std::string_view text) {
+    std::string result = position.file + ':' + std::to_string(position.line) + ':' +
+                         std::to_string(position.column) + ": ";
+    result += name(severity);
+    result += ": ";
+    result += text;
+    return result + '\n' + excerpt(position);
+}
 
 std::string format(const Diagnostics& diagnostics, const Source& source) {
     std::string text;
-    for (const Diagnostic* entry : sorted(diagnostics.all())) {
-        const Diagnostic& diagnostic = *entry;
-        const Position position = source.position(diagnostic.where);
-        text += position.file + ':' + std::to_string(position.line) + ':' +
-                std::to_string(position.column) + ": ";
-        text += name(diagnostic.severity);
-        text += ": " + diagnostic.text + '\n';
-        text += position.source_line + '\n' + caret(position) + '\n';
+    std::set<std::string> explained;
+    for (const Diagnostic* diagnostic : sorted(diagnostics.all())) {
+        const Position position = source.position(diagnostic->where);
+        text += format(diagnostic->severity, position, diagnostic->text);
+        if (diagnostic->severity != Severity::note && explained.insert(position.file).second) {
+            text += included_from(*diagnostic, source);
+        }
     }
     if (diagnostics.full())
         text += source.main_file() + ": too many errors, the rest is left out\n";

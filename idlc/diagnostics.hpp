@@ -2,8 +2,10 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <set>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "idlc/source.hpp"
@@ -38,11 +40,16 @@ class Diagnostics {
     void add(Severity severity, Location where, std::string text);
 
     std::vector<Diagnostic> all_;
+    std::set<std::pair<Location, std::string>> said_;
     std::size_t errors_ = 0;
     bool last_was_dropped_ = false;
 };
 
 /// As compilers print them: "file:line:column: error: text", the source line, and a caret below.
+std::string format(Severity severity, const Position& position, std::string_view text);
+
+/// All of them, in the order of the source. The first of an included file says where it was
+/// included.
 std::string format(const Diagnostics& diagnostics, const Source& source);
 
 }  // namespace canorb::idlc

@@ -1,16 +1,21 @@
 // canorb-idlc: the IDL compiler.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdint>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
-#include <iterator>
+#include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "idlc/compile.hpp"
 #include "idlc/emit/emit.hpp"
+#include "idlc/files.hpp"
+#include "idlc/lexer.hpp"
+#include "idlc/parse/parser.hpp"
 #include "idlc/preprocess.hpp"
 
 namespace {
@@ -18,130 +23,213 @@ namespace {
 namespace fs = std::filesystem;
 using namespace canorb::idlc;
 
+constexpr int error_found = 1;
+constexpr int usage_error = 2;
+
+/// What a run gives.
+enum class Output : std::uint8_t { code, dependencies, nothing, ids, tree };
+
 struct Options {
     std::vector<std::string> files;
     std::string output_directory = ".";
     std::string depfile;
     PreprocessorOptions preprocessor;
-    bool check_only = false;
-    bool print_ids = false;
-};
-
-/// What to compile, as make wants to know it.
-struct Dependencies {
-    std::vector<std::string> outputs;
-    std::vector<std::string> inputs;
+    Output output = Output::code;
 };
 
 bool fail(const std::string& file, const std::string& problem) {
-    std::cerr << file << ": " << problem << '\n';
+    std::cerr << file << ": error: " << problem << '\n';
     return false;
 }
 
-std::optional<std::string> read_file(const std::string& name) {
-    std::ifstream file{name, std::ios::binary};
-    if (!file) return std::nullopt;
-    return std::string{std::istreambuf_iterator<char>{file}, {}};
+/// "devices" of dir/devices.idl: what the generated files are called.
+std::string stem(const std::string& file) {
+    return fs::path{file}.stem();
 }
 
-/// Leaves a file alone that has the content already, so that nothing is built again for it.
-bool write_file(const fs::path& name, const std::string& content) {
-    if (read_file(name) == content) return true;
-    std::ofstream file{name, std::ios::binary | std::ios::trunc};
-    file << content;
-    file.close();
-    return file ? true : fail(name, "cannot be written");
-}
-
-std::string escape_for_make(const std::string& name) {
-    std::string escaped;
-    for (const char c : name) {
-        if (c == ' ' || c == '#') escaped += '\\';
-        if (c == '$') escaped += '$';
-        escaped += c;
-    }
-    return escaped;
-}
-
-bool write_depfile(const std::string& name, const Dependencies& dependencies) {
-    std::string text;
-    for (const std::string& output : dependencies.outputs) text += escape_for_make(output) + ' ';
-    text += ':';
-    for (const std::string& input : dependencies.inputs) text += " \\\n  " + escape_for_make(input);
-    return write_file(name, text + '\n');
-}
-
-bool write_code(const std::string& file, const model::Model& model, const Options& options,
-                Dependencies& dependencies) {
-    const std::string stem = fs::path{file}.stem();
-    const emit::GeneratedCode code = emit::generate(model, stem);
+std::vector<std::string> outputs(const std::string& file, const Options& options) {
     const fs::path directory{options.output_directory};
-    std::error_code error;
-    fs::create_directories(directory, error);
-    if (error) return fail(directory, error.message());
-    dependencies.outputs.push_back(directory / (stem + ".hpp"));
-    dependencies.outputs.push_back(directory / (stem + ".cpp"));
-    return write_file(directory / (stem + ".hpp"), code.header) &&
-           write_file(directory / (stem + ".cpp"), code.source);
+    return {directory / (stem(file) + ".hpp"), directory / (stem(file) + ".cpp")};
 }
 
-bool compile_file(const std::string& file, const Options& options, Dependencies& dependencies) {
-    if (fs::is_directory(file)) return fail(file, "is a directory");
-    const auto original = read_file(file);
-    if (!original) return fail(file, "no such file, or not readable");
-    const Preprocessed preprocessed = preprocess(file, options.preprocessor);
-    std::cerr << preprocessed.message;
-    if (!preprocessed.ok) return false;
+/// Whether the files to be written have names, each its own, that are not an IDL file's.
+bool check_outputs(const Options& options) {
+    std::map<std::string, std::string> by_stem;
+    for (const std::string& file : options.files) {
+        const std::string name = stem(file);
+        const bool printable = std::none_of(name.begin(), name.end(), [](char c) {
+            return c == '"' || c == '\\' || static_cast<unsigned char>(c) < ' ';
+        });
+        // ".idl" is all stem.
+        if (name.empty() || name == ".idl" || !printable) {
+            return fail(file, "what is generated cannot be named after it: rename it");
+        }
+        const auto [same, added] = by_stem.emplace(name, file);
+        if (!added) {
+            return fail(file, "would be written to " + outputs(file, options).front() + ", as " +
+                                  same->second + " is: compile them with different --output-dir");
+        }
+        for (const std::string& output : outputs(file, options)) {
+            std::error_code ignored;
+            if (fs::equivalent(file, output, ignored)) {
+                return fail(file, "would be overwritten by what is generated from it");
+            }
+        }
+    }
+    return true;
+}
 
-    Source source{file, preprocessed.text};
+/// The file after the preprocessor; null where it cannot be read.
+std::unique_ptr<Source> load(const std::string& file, const Options& options) {
+    std::error_code error;
+    const fs::file_status status = fs::status(file, error);
+    if (fs::is_directory(status)) {
+        fail(file, "is a directory");
+        return nullptr;
+    }
+    if (fs::exists(status) && !fs::is_regular_file(status)) {
+        // It is read twice: by the preprocessor, and to show its lines.
+        fail(file, "is not a regular file; write what it gives to one first");
+        return nullptr;
+    }
+    if (!read_file(file)) {
+        fail(file, fs::exists(status) ? "is not readable" : "no such file");
+        return nullptr;
+    }
+    Preprocessed preprocessed = preprocess(file, options.preprocessor);
+    std::cerr << preprocessed.message;
+    if (!preprocessed.ok) return nullptr;
+    auto source = std::make_unique<Source>(file, std::move(preprocessed.text));
+    for (const std::string& name : source->files()) {
+        if (const auto text = read_file(name)) source->add_original(name, *text);
+    }
+    return source;
+}
+
+std::string dependencies(const std::string& file, const Source& source, const Options& options) {
+    std::vector<std::string> inputs;
     for (const std::string& name : source.files()) {
         // Names like <built-in> are no files.
-        if (name.starts_with('<')) continue;
-        if (const auto text = read_file(name)) source.add_original(name, *text);
-        dependencies.inputs.push_back(name);
+        if (!name.starts_with('<')) inputs.push_back(name);
+    }
+    return make_rule(outputs(file, options), inputs);
+}
+
+std::string syntax_tree(const Source& source, Diagnostics& diagnostics) {
+    return ast::dump(parse::parse_file(tokenize(source, diagnostics), diagnostics));
+}
+
+bool write(const std::string& file, const std::string& content) {
+    const std::string problem = write_file(file, content);
+    return problem.empty() || fail(file, problem);
+}
+
+bool write_code(const std::string& file, const model::Model& model, const Options& options) {
+    const emit::GeneratedCode code = emit::generate(model, stem(file));
+    std::error_code error;
+    fs::create_directories(options.output_directory, error);
+    if (error) return fail(options.output_directory, "cannot be made: " + error.message());
+    const auto names = outputs(file, options);
+    return write(names[0], code.header) && write(names[1], code.source);
+}
+
+/// `rules` collects what --depfile writes.
+bool process(const std::string& file, const Options& options, std::string& rules) {
+    const auto source = load(file, options);
+    if (source == nullptr) return false;
+    if (options.output == Output::dependencies) {
+        std::cout << dependencies(file, *source, options);
+        return true;
     }
     Diagnostics diagnostics;
-    const model::Model model = compile(source, diagnostics);
-    std::cerr << format(diagnostics, source);
+    if (options.output == Output::tree) {
+        std::cout << syntax_tree(*source, diagnostics);
+        std::cerr << format(diagnostics, *source);
+        return !diagnostics.failed();
+    }
+    const model::Model model = compile(*source, diagnostics);
+    std::cerr << format(diagnostics, *source);
     if (diagnostics.failed()) return false;
-    if (options.print_ids) std::cout << model::operation_table(model);
-    if (options.check_only || options.print_ids) return true;
-    return write_code(file, model, options, dependencies);
+    if (options.output == Output::ids) std::cout << model::operation_table(model);
+    if (options.output != Output::code) return true;
+    rules += dependencies(file, *source, options);
+    return write_code(file, model, options);
 }
+
+int run(const Options& options) {
+    const bool writes = options.output == Output::code;
+    if ((writes || options.output == Output::dependencies) && !check_outputs(options)) {
+        return usage_error;
+    }
+    bool ok = true;
+    std::string rules;
+    for (const std::string& file : options.files) ok = process(file, options, rules) && ok;
+    if (ok && !options.depfile.empty()) ok = write(options.depfile, rules);
+    if (!std::cout.flush()) ok = fail("standard output", "cannot be written");
+    return ok ? 0 : error_found;
+}
+
+constexpr const char* description =
+    "Compiles CORBA IDL to C++ stubs and servants for canorb: FILE.idl becomes FILE.hpp and\n"
+    "FILE.cpp. FILE.hpp includes OTHER.hpp where FILE.idl includes OTHER.idl.";
+
+constexpr const char* footer =
+    "Without one of --check, --print-ids, --dump-ast and --emit, C++ is written.\n"
+    "The exit code is 0 when all is well, 1 for errors in a file, 2 for a wrong command line.\n"
+    "\n"
+    "Examples:\n"
+    "  canorb-idlc devices.idl                        writes devices.hpp and devices.cpp here\n"
+    "  canorb-idlc -I common -o generated pump.idl    pump.idl includes a file of common/\n"
+    "  canorb-idlc --check *.idl                      only says what is wrong\n";
 
 }  // namespace
 
 int main(int argc, char** argv) {
-    constexpr int usage_error = 2;
     Options options;
-    CLI::App app{
-        "Compiles CORBA IDL to C++ stubs and servants for canorb.\n"
-        "FILE.idl becomes FILE.hpp and FILE.cpp."};
+    CLI::App app{description};
+    app.footer(footer);
     app.add_option("FILE", options.files, "IDL files")->required();
-    app.add_flag("--check", options.check_only, "report errors only, write nothing");
-    app.add_flag("--print-ids", options.print_ids,
-                 "print each interface's operation ids, write nothing");
     app.add_option("-o,--output-dir", options.output_directory,
                    "where to write, made where it does not exist (default: here)");
     app.add_option("-I", options.preprocessor.include_directories,
-                   "directory to search for included files")
+                   "one more directory to look for included files in, behind that of the file "
+                   "that includes")
+        ->type_name("DIRECTORY")
         ->allow_extra_args(false);
-    app.add_option("-D", options.preprocessor.macros, "define a macro: NAME or NAME=VALUE")
+    app.add_option("-D", options.preprocessor.macros, "define a macro for the C preprocessor")
+        ->type_name("NAME[=VALUE]")
         ->allow_extra_args(false);
-    app.add_option("--depfile", options.depfile,
-                   "write the dependencies there, for make and Ninja");
+    auto* depfile = app.add_option("--depfile", options.depfile,
+                                   "also write what was read, as rules for make and Ninja");
+    auto* what = app.add_option_group("What to do instead of writing C++");
+    what->require_option(0, 1);
+    const auto add_output = [&](const std::string& flag, Output output, const std::string& text) {
+        what->add_flag_callback(flag, [&options, output] { options.output = output; }, text);
+    };
+    add_output("--check", Output::nothing, "only say what is wrong");
+    add_output("--print-ids", Output::ids, "print the operation ids of each interface");
+    add_output("--dump-ast", Output::tree, "print what was read, as a tree");
+    std::string form;
+    what->add_option("--emit", form,
+                     "print in another form: deps, the rules for make that --depfile writes")
+        ->type_name("FORM")
+        ->check(CLI::IsMember({"deps"}).description(""));
     app.set_version_flag("--version", std::string{"canorb-idlc "} + CANORB_VERSION);
     try {
         app.parse(argc, argv);
+        if (form == "deps") options.output = Output::dependencies;
+        if (depfile->count() > 0 && options.output != Output::code) {
+            throw CLI::ValidationError("--depfile", "there is nothing to depend on what was read");
+        }
+        for (const std::string& file : options.files) {
+            if (file.empty()) throw CLI::ValidationError("FILE", "the name is empty");
+            if (file == "-") {
+                throw CLI::ValidationError("FILE",
+                                           "standard input cannot be compiled: name a file");
+            }
+        }
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : usage_error;
     }
-
-    bool ok = true;
-    Dependencies dependencies;
-    for (const std::string& file : options.files) {
-        ok = compile_file(file, options, dependencies) && ok;
-    }
-    if (ok && !options.depfile.empty()) ok = write_depfile(options.depfile, dependencies);
-    return ok ? 0 : 1;
+    return run(options);
 }

@@ -5,11 +5,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
 #include <memory>
+#include <string_view>
+
+#include "idlc/preprocessor_messages.hpp"
 
 extern char** environ;
 
@@ -22,6 +26,11 @@ struct CloseFile {
 };
 using TemporaryFile = std::unique_ptr<std::FILE, CloseFile>;
 
+using Words = std::vector<std::string>;
+
+/// The same preprocessor by any other name; the first that is installed is used.
+const Words programs[] = {{"cpp"}, {"gcc", "-E"}, {"clang", "-E"}};
+
 std::string content(std::FILE* file) {
     std::string text;
     std::array<char, 65536> buffer{};
@@ -32,10 +41,10 @@ std::string content(std::FILE* file) {
     return text;
 }
 
-std::vector<std::string> command(const std::string& file, const PreprocessorOptions& options) {
+Words arguments(const std::string& file, const PreprocessorOptions& options) {
     // -undef: `linux` and `unix` are good names in IDL. -dI: keeps the #include lines, which say
-    // how a file is spelled.
-    std::vector<std::string> words{"cpp", "-x", "c", "-C", "-undef", "-nostdinc", "-dI"};
+    // how a file is spelled. -ftabstop: columns in its messages count a tab as one.
+    Words words{"-x", "c", "-C", "-undef", "-nostdinc", "-dI", "-ftabstop=1"};
     for (const std::string& directory : options.include_directories) {
         words.push_back("-I");
         words.push_back(directory);
@@ -49,20 +58,39 @@ std::vector<std::string> command(const std::string& file, const PreprocessorOpti
     return words;
 }
 
-/// Runs the command with standard output and error into the files; its exit code, or -errno.
-int run(std::vector<std::string> words, std::FILE* output, std::FILE* errors) {
-    std::vector<char*> arguments;
-    for (std::string& word : words) arguments.push_back(word.data());
-    arguments.push_back(nullptr);
+/// This process's, but for what changes how the preprocessor speaks, or where it looks.
+Words environment() {
+    constexpr std::string_view unwanted[] = {
+        "LC_ALL=", "LANGUAGE=", "CPATH=", "C_INCLUDE_PATH=", "DEPENDENCIES_OUTPUT="};
+    Words variables{"LC_ALL=C"};
+    for (char** variable = environ; *variable != nullptr; ++variable) {
+        const std::string_view text = *variable;
+        const bool drop =
+            std::any_of(std::begin(unwanted), std::end(unwanted),
+                        [&](std::string_view name) { return text.starts_with(name); });
+        if (!drop) variables.emplace_back(text);
+    }
+    return variables;
+}
 
+std::vector<char*> pointers(Words& words) {
+    std::vector<char*> result;
+    for (std::string& word : words) result.push_back(word.data());
+    result.push_back(nullptr);
+    return result;
+}
+
+/// Runs the command with standard output and error into the files; its exit code, or -errno.
+int run(Words words, std::FILE* output, std::FILE* errors) {
+    Words variables = environment();
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_adddup2(&actions, fileno(output), STDOUT_FILENO);
     posix_spawn_file_actions_adddup2(&actions, fileno(errors), STDERR_FILENO);
     pid_t child = 0;
-    const int failed =
-        posix_spawnp(&child, arguments[0], &actions, nullptr, arguments.data(), environ);
+    const int failed = posix_spawnp(&child, words.front().c_str(), &actions, nullptr,
+                                    pointers(words).data(), pointers(variables).data());
     posix_spawn_file_actions_destroy(&actions);
     if (failed != 0) return -failed;
 
@@ -85,7 +113,13 @@ Preprocessed preprocess(const std::string& file, const PreprocessorOptions& opti
             std::string{"cannot make a temporary file: "} + std::strerror(errno) + '\n';
         return result;
     }
-    const int code = run(command(file, options), output.get(), errors.get());
+    int code = -ENOENT;
+    for (Words words : programs) {
+        const Words more = arguments(file, options);
+        words.insert(words.end(), more.begin(), more.end());
+        code = run(std::move(words), output.get(), errors.get());
+        if (code != -ENOENT) break;
+    }
     if (code < 0) {
         result.message = std::string{"cannot run the C preprocessor 'cpp': "} +
                          std::strerror(-code) + " (on Debian: apt install cpp)\n";
@@ -93,8 +127,10 @@ Preprocessed preprocess(const std::string& file, const PreprocessorOptions& opti
     }
     result.ok = code == 0;
     result.text = content(output.get());
-    result.message = content(errors.get());
-    if (!result.ok && result.message.empty()) result.message = "the C preprocessor failed\n";
+    result.message = preprocessor_messages(content(errors.get()), options.include_directories);
+    if (!result.ok && result.message.empty()) {
+        result.message = file + ": the C preprocessor failed, and does not say why\n";
+    }
     return result;
 }
 

@@ -14,10 +14,12 @@ struct Preprocessed {
     /// False: the preprocessor could not be run or refused the file; `message` says why.
     bool ok = false;
     std::string text;
-    std::string message;  ///< what it wrote to standard error; warnings where `ok`
+    std::string message;  ///< its errors and warnings, as diagnostics are printed; ends its line
 };
 
-/// Runs the host's C preprocessor, `cpp`, on the file. Comments and linemarkers stay in the text.
+/// Runs the host's C preprocessor, `cpp`, `gcc -E` or `clang -E`, on the file. Comments and
+/// linemarkers stay in the text. An included file is looked for in the directory of the file that
+/// includes it, where it is in quotes, then in `include_directories`, and nowhere else.
 Preprocessed preprocess(const std::string& file, const PreprocessorOptions& options);
 
 }  // namespace canorb::idlc

@@ -18,12 +18,15 @@ std::string_view skip_spaces(std::string_view text) {
     return text;
 }
 
-/// The content of the "..." at the front of `text`, escapes resolved.
-std::optional<std::string> quoted(std::string_view text) {
+/// Takes the "..." from the front of `text`: its content, escapes resolved.
+std::optional<std::string> take_quoted(std::string_view& text) {
     if (text.empty() || text.front() != '"') return std::nullopt;
     std::string content;
     for (std::size_t i = 1; i < text.size(); ++i) {
-        if (text[i] == '"') return content;
+        if (text[i] == '"') {
+            text.remove_prefix(i + 1);
+            return content;
+        }
         if (text[i] == '\\' && i + 1 < text.size()) ++i;
         content.push_back(text[i]);
     }
@@ -40,12 +43,14 @@ std::optional<std::string> included_file(std::string_view directive) {
         if (close == std::string_view::npos) return std::nullopt;
         return std::string{directive.substr(1, close - 1)};
     }
-    return quoted(directive);
+    return take_quoted(directive);
 }
 
 struct Marker {
     std::uint32_t line;
     std::string file;
+    bool enters = false;   ///< the file is included here
+    bool returns = false;  ///< to the file, from one that it included
 };
 
 /// `12 "file" flags` or `line 12 "file"`: what follows the # of a linemarker.
@@ -57,9 +62,13 @@ std::optional<Marker> linemarker(std::string_view directive) {
     const auto [rest, error] = std::from_chars(directive.data(), end, marker.line);
     if (error != std::errc{}) return std::nullopt;
     const auto consumed = static_cast<std::size_t>(rest - directive.data());
-    auto file = quoted(skip_spaces(directive.substr(consumed)));
+    directive = skip_spaces(directive.substr(consumed));
+    auto file = take_quoted(directive);
     if (!file) return std::nullopt;
     marker.file = *std::move(file);
+    directive = skip_spaces(directive);
+    marker.enters = directive.starts_with('1');
+    marker.returns = directive.starts_with('2');
     return marker;
 }
 
@@ -96,11 +105,13 @@ std::vector<std::string> split_lines(std::string_view text) {
 
 Source::Source(std::string main_file, std::string preprocessed) : text_(std::move(preprocessed)) {
     files_.push_back(std::move(main_file));
-    segments_.push_back({0, 0, 1});
+    segments_.push_back({0, 0, 1, std::nullopt});
     scan();
 }
 
 void Source::add_original(const std::string& file, std::string_view text) {
+    // A byte order mark is in no column.
+    if (text.starts_with("\xEF\xBB\xBF")) text.remove_prefix(3);
     originals_[file] = split_lines(text);
 }
 
@@ -110,6 +121,7 @@ void Source::scan() {
     std::size_t begin = 0;
     while (begin < text_.size()) {
         const std::size_t end = std::min(text_.find('\n', begin), text_.size());
+        line_begins_.push_back(static_cast<std::uint32_t>(begin));
         if (in_comment || !take_directive(begin, end)) {
             char quote = 0;
             for (std::size_t i = begin; i < end; ++i) {
@@ -146,8 +158,13 @@ bool Source::take_directive(std::size_t begin, std::size_t end) {
     line = skip_spaces(line.substr(1));
     if (auto marker = linemarker(line)) {
         const auto next_line = static_cast<std::uint32_t>(std::min(end + 1, text_.size()));
-        segments_.push_back({next_line, file_index(marker->file), marker->line});
+        if (marker->enters) open_includes_.push_back(last_include_);
+        if (marker->returns && !open_includes_.empty()) open_includes_.pop_back();
+        segments_.push_back(
+            {next_line, file_index(marker->file), marker->line,
+             open_includes_.empty() ? std::nullopt : std::optional{open_includes_.back()}});
     } else if (auto file = included_file(line)) {
+        last_include_ = {static_cast<std::uint32_t>(begin)};
         if (segments_.back().file == 0) includes_.push_back(*std::move(file));
     } else {
         return false;
@@ -177,21 +194,36 @@ bool Source::in_main_file(Location where) const {
     return segment(where).file == 0;
 }
 
-Position Source::position(Location where) const {
+const std::string& Source::file(Location where) const {
+    return files_[segment(where).file];
+}
+
+std::uint32_t Source::line(Location where) const {
     const Segment& in = segment(where);
+    return in.line + static_cast<std::uint32_t>(text_line(where.offset) - text_line(in.offset));
+}
+
+std::optional<Location> Source::included_from(Location where) const {
+    return segment(where).included_from;
+}
+
+std::size_t Source::text_line(std::size_t offset) const {
+    const auto after = std::upper_bound(line_begins_.begin(), line_begins_.end(), offset);
+    const auto lines = static_cast<std::size_t>(after - line_begins_.begin());
+    // Behind the last line's end a line begins, too, that has nothing in it.
+    const bool at_end = offset >= text_.size() && text_.ends_with('\n');
+    return at_end ? lines + 1 : lines;
+}
+
+Position Source::position(Location where) const {
     const std::size_t offset = std::min<std::size_t>(where.offset, text_.size());
     std::size_t begin = text_.rfind('\n', offset == 0 ? 0 : offset - 1);
     begin = begin == std::string::npos || offset == 0 ? 0 : begin + 1;
     const std::size_t end = std::min(text_.find('\n', offset), text_.size());
 
     Position position;
-    position.file = files_[in.file];
-    position.line =
-        in.line +
-        static_cast<std::uint32_t>(std::count(
-            text_.begin() + static_cast<std::ptrdiff_t>(in.offset),
-            text_.begin() + static_cast<std::ptrdiff_t>(std::max<std::size_t>(offset, in.offset)),
-            '\n'));
+    position.file = file(where);
+    position.line = line(where);
     position.source_line = text_.substr(begin, end - begin);
     std::size_t column = offset - begin;
     const auto original = originals_.find(position.file);

@@ -3,6 +3,7 @@
 #include <compare>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -48,7 +49,12 @@ class Source {
     const std::vector<std::string>& includes() const { return includes_; }
 
     bool in_main_file(Location where) const;
+    /// The file and line alone, without a look at the line.
+    const std::string& file(Location where) const;
+    std::uint32_t line(Location where) const;
     Position position(Location where) const;
+    /// The #include that the file of this place came in by; nothing in the main file.
+    std::optional<Location> included_from(Location where) const;
 
   private:
     /// Text from `offset` on, to the next segment, begins at `line` of `file`.
@@ -56,11 +62,14 @@ class Source {
         std::uint32_t offset;
         std::uint32_t file;
         std::uint32_t line;
+        std::optional<Location> included_from;
     };
 
     void scan();
     /// True when the line was a linemarker or an #include, which is then blanked.
     bool take_directive(std::size_t begin, std::size_t end);
+    /// How many lines of the text begin before this place, or at it.
+    std::size_t text_line(std::size_t offset) const;
     std::uint32_t file_index(std::string_view name);
     const Segment& segment(Location where) const;
 
@@ -68,6 +77,9 @@ class Source {
     std::vector<std::string> files_;
     std::vector<std::string> includes_;
     std::vector<Segment> segments_;
+    std::vector<std::uint32_t> line_begins_;
+    std::vector<Location> open_includes_;  ///< of the files that the scan is in
+    Location last_include_;                ///< the #include line last seen
     std::map<std::string, std::vector<std::string>, std::less<>> originals_;
 };
 
