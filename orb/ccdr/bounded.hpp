@@ -209,7 +209,7 @@ void decode(Decoder& in, BoundedString<N>& value) {
 template <typename T, std::size_t N>
 void encode(Encoder& out, const BoundedVector<T, N>& value) {
     if (value.is_overlong()) return out.fail();
-    out.count(value.size());
+    out.count(value.size(), fewest_octets<T>);
     if constexpr (std::same_as<T, std::uint8_t>) {
         out.octets({value.data(), value.size()});
     } else {
@@ -225,7 +225,8 @@ void decode(Decoder& in, BoundedVector<T, N>& value) {
     for (T& element : value) decode(in, element);
 }
 
-/// A std::string, std::vector or std::array with the bounds that IDL gives it: see bounded().
+/// A std::string, std::u16string, std::vector, std::array or std::map with the bounds that IDL
+/// gives it: see bounded().
 template <typename T, std::size_t... Bounds>
 struct Bounded {
     T& value;
@@ -233,11 +234,16 @@ struct Bounded {
 
 /// Gives `value` its IDL bounds while it is encoded or decoded; 0 stands for none. The first is
 /// that of the string or sequence itself, the next that of its elements, and so on; an array has
-/// no bound of its own and hands all of them to its elements. Too long a value is bad_value to an
-/// Encoder; a count above its bound fails a Decoder before anything is allocated.
+/// no bound of its own and hands all of them to its elements. The bounds behind a map's own are
+/// first that of its key, if that is a std::string or std::u16string and for no other key, then
+/// those of its values. Too long a value is bad_value to an Encoder; a count above its bound fails
+/// a Decoder before anything is allocated.
 ///
 ///     encode(out, bounded<300>(text));              // string<300>
 ///     decode(in, bounded<1000, 300>(texts));        // sequence<string<300>, 1000>
+///     decode(in, bounded<10>(names));               // map<long, string, 10>
+///     decode(in, bounded<0, 300, 400>(names));      // map<string<300>, wstring<400>>
+///     decode(in, bounded<0, 400>(names));           // map<long, wstring<400>>
 template <std::size_t... Bounds, typename T>
 constexpr Bounded<T, Bounds...> bounded(T& value) {
     return {value};
@@ -260,13 +266,19 @@ void encode(Encoder& out, Bounded<const std::string, N> text) {
     out.string(text.value);
 }
 
+template <std::size_t N>
+void encode(Encoder& out, Bounded<const std::u16string, N> text) {
+    if (text.value.size() > highest_count(N)) return out.fail();
+    out.wide_string(text.value);
+}
+
 template <typename T, std::size_t N, std::size_t... Inner>
 void encode(Encoder& out, Bounded<const std::vector<T>, N, Inner...> sequence) {
     if (sequence.value.size() > highest_count(N)) return out.fail();
     if constexpr (sizeof...(Inner) == 0) {
         encode(out, sequence.value);
     } else {
-        out.count(sequence.value.size());
+        out.count(sequence.value.size(), fewest_octets<T>);
         for (const T& element : sequence.value) encode(out, bounded<Inner...>(element));
     }
 }
@@ -281,6 +293,11 @@ void decode(Decoder& in, Bounded<std::string, N> text) {
     const std::string_view octets = in.string();
     if (octets.size() > highest_count(N)) in.fail();
     text.value.assign(in.ok() ? octets : std::string_view{});
+}
+
+template <std::size_t N>
+void decode(Decoder& in, Bounded<std::u16string, N> text) {
+    assign(text.value, in.wide_string(highest_count(N)));
 }
 
 template <typename T, std::size_t N, std::size_t... Inner>

@@ -3,6 +3,7 @@
 #include <bit>
 #include <limits>
 
+#include "orb/ccdr/binary128.hpp"
 #include "orb/ccdr/format.hpp"
 
 namespace canorb::ccdr {
@@ -83,10 +84,13 @@ std::uint64_t Decoder::fixed64() {
 
 std::size_t Decoder::count(std::size_t element_octets, std::size_t highest) {
     const std::size_t value = variable_unsigned(std::numeric_limits<std::uint32_t>::max());
-    if (!ok_ || value > remaining() / element_octets || value > highest) {
+    const std::size_t room =
+        element_octets == 0 ? highest_octetless - octetless_ : remaining() / element_octets;
+    if (!ok_ || value > room || value > highest) {
         fail();
         return 0;
     }
+    if (element_octets == 0) octetless_ += value;
     return value;
 }
 
@@ -102,6 +106,24 @@ std::string_view Decoder::string() {
         return {};
     }
     return text.substr(0, text.size() - 1);
+}
+
+Bytes Decoder::wide_string(std::size_t highest) {
+    const std::size_t units = count(2);
+    const Bytes taken = octets(2 * units);
+    const auto unit = [taken](std::size_t i) { return read_be16(taken.data() + 2 * i); };
+    bool whole = ok_ && units > 0 && units - 1 <= highest && unit(units - 1) == 0;
+    for (std::size_t i = 0; whole && i + 1 < units; ++i) whole = unit(i) != 0;
+    if (!whole) {
+        fail();
+        return {};
+    }
+    return taken.first(2 * (units - 1));
+}
+
+bool Decoder::enter() {
+    if (++levels_ > highest_levels) fail();
+    return ok_;
 }
 
 void decode(Decoder& in, bool& value) {
@@ -158,8 +180,27 @@ void decode(Decoder& in, float& value) {
 void decode(Decoder& in, double& value) {
     value = std::bit_cast<double>(in.fixed64());
 }
+void decode(Decoder& in, long double& value) {
+    Binary128 bits{};
+    bits.high = in.fixed64();
+    bits.low = in.fixed64();
+    value = from_binary128<long double>(bits);
+}
+void decode(Decoder& in, char16_t& value) {
+    const Bytes taken = in.octets(2);
+    value = taken.empty() ? u'\0' : char16_t{read_be16(taken.data())};
+}
 void decode(Decoder& in, std::string& value) {
     value.assign(in.string());
+}
+void decode(Decoder& in, std::u16string& value) {
+    assign(value, in.wide_string());
+}
+
+void assign(std::u16string& text, Bytes units) {
+    text.clear();
+    text.reserve(units.size() / 2);
+    for (std::size_t i = 0; i < units.size(); i += 2) text += char16_t{read_be16(&units[i])};
 }
 
 }  // namespace canorb::ccdr

@@ -6,18 +6,27 @@
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
 #include "orb/base/bytes.hpp"
+#include "orb/ccdr/fewest_octets.hpp"
 
 namespace canorb::ccdr {
 
 /// What object references that are decoded belong to: the ORB. This layer only hands it on; the
 /// runtime derives from it and knows its own type again.
-struct DecodeContext {};
+struct DecodeContext {
+    /// The same context, kept alive: what a value asks for that decodes a part of itself later.
+    /// Empty where nothing can keep it.
+    virtual std::shared_ptr<const DecodeContext> shared() const { return nullptr; }
+
+  protected:
+    ~DecodeContext() = default;
+};
 
 /// Reads CCDR octets. The first malformed value sticks: from then on every read gives a zero or
 /// empty value, and ok() is false. There is one cause to tell, MARSHAL, so there is no error kind.
@@ -28,9 +37,10 @@ struct DecodeContext {};
 ///     if (!in.finished()) return marshal;
 class Decoder {
   public:
-    /// `octets` and `context` belong to the caller and outlive this object.
-    explicit Decoder(Bytes octets, const DecodeContext* context = nullptr)
-        : octets_(octets), context_(context) {}
+    /// `octets` and `context` belong to the caller and outlive this object. `levels` is how deep
+    /// the values already are: see Nesting.
+    explicit Decoder(Bytes octets, const DecodeContext* context = nullptr, unsigned levels = 0)
+        : octets_(octets), context_(context), levels_(levels) {}
 
     /// As given to the constructor: nullptr where no references are expected.
     const DecodeContext* context() const { return context_; }
@@ -39,6 +49,8 @@ class Decoder {
     /// No error, and nothing left over: a complete value was read.
     [[nodiscard]] bool finished() const { return ok_ && remaining() == 0; }
     std::size_t remaining() const { return octets_.size() - position_; }
+    /// The octets that are not read yet.
+    Bytes rest() const { return octets_.subspan(position_); }
 
     /// What was read is not a value of its type.
     void fail();
@@ -52,11 +64,20 @@ class Decoder {
     std::uint32_t fixed32();
     /// A sequence's count. It fails when the octets left cannot hold so many elements of at least
     /// `element_octets` each, so nothing is allocated for a count that lies.
-    /// It also fails above `highest`, the sequence's bound.
+    /// It also fails above `highest`, the sequence's bound. Elements that take no octets are
+    /// limited to `highest_octetless` in all that this object reads.
     std::size_t count(std::size_t element_octets = 1,
                       std::size_t highest = std::numeric_limits<std::size_t>::max());
     /// A string, without its NUL; the view is into the octets being read.
     std::string_view string();
+    /// The code units of a wide string, two octets each, without the final one; it fails for more
+    /// than `highest`.
+    Bytes wide_string(std::size_t highest = std::numeric_limits<std::size_t>::max());
+
+    /// What Nesting calls.
+    bool enter();
+    void leave() { --levels_; }
+    unsigned levels() const { return levels_; }
 
   private:
     /// The form and the bits of a variable integer, sign not yet extended.
@@ -69,6 +90,8 @@ class Decoder {
     Bytes octets_;
     const DecodeContext* context_;
     std::size_t position_ = 0;
+    std::size_t octetless_ = 0;  ///< elements without octets so far
+    unsigned levels_ = 0;
     bool ok_ = true;
 };
 
@@ -84,30 +107,18 @@ void decode(Decoder& in, std::int64_t& value);
 void decode(Decoder& in, std::uint64_t& value);
 void decode(Decoder& in, float& value);
 void decode(Decoder& in, double& value);
+void decode(Decoder& in, long double& value);
+void decode(Decoder& in, char16_t& value);
 void decode(Decoder& in, std::string& value);
+void decode(Decoder& in, std::u16string& value);
+
+/// Code units as Decoder::wide_string() gives them.
+void assign(std::u16string& text, Bytes units);
 
 template <typename T, std::size_t N>
 void decode(Decoder& in, std::array<T, N>& value);
 template <typename T>
 void decode(Decoder& in, std::vector<T>& value);
-
-/// The fewest octets that a value of type T can take; generated code need not specialize it. It is
-/// never 0, so that a count is always bounded by the octets that follow it: a sequence of a type
-/// that takes no octets at all cannot be received.
-template <typename T>
-inline constexpr std::size_t fewest_octets = 1;
-template <>
-inline constexpr std::size_t fewest_octets<float> = 4;
-template <>
-inline constexpr std::size_t fewest_octets<double> = 8;
-template <>
-inline constexpr std::size_t fewest_octets<std::int64_t> = 8;
-template <>
-inline constexpr std::size_t fewest_octets<std::uint64_t> = 8;
-template <>
-inline constexpr std::size_t fewest_octets<std::string> = 2;
-template <typename T, std::size_t N>
-inline constexpr std::size_t fewest_octets<std::array<T, N>> = N == 0 ? 1 : N * fewest_octets<T>;
 
 template <typename T, std::size_t N>
 void decode(Decoder& in, std::array<T, N>& value) {

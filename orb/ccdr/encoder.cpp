@@ -4,6 +4,7 @@
 #include <bit>
 #include <limits>
 
+#include "orb/ccdr/binary128.hpp"
 #include "orb/ccdr/format.hpp"
 
 namespace canorb::ccdr {
@@ -81,8 +82,12 @@ void Encoder::fixed64(std::uint64_t value) {
     }
 }
 
-void Encoder::count(std::size_t value) {
+void Encoder::count(std::size_t value, std::size_t element_octets) {
     if (value > std::numeric_limits<std::uint32_t>::max()) return fail();
+    if (element_octets == 0) {
+        if (value > highest_octetless - octetless_) return fail();
+        octetless_ += value;
+    }
     variable_unsigned(static_cast<std::uint32_t>(value));
 }
 
@@ -93,6 +98,23 @@ void Encoder::string(std::string_view value) {
         std::copy(value.begin(), value.end(), to);
         to[value.size()] = 0;
     }
+}
+
+void Encoder::wide_string(std::u16string_view value) {
+    if (value.find(u'\0') != std::u16string_view::npos) return fail();
+    count(value.size() + 1);
+    if (std::uint8_t* to = reserve(2 * (value.size() + 1))) {
+        for (const char16_t unit : value) {
+            write_be16(to, unit);
+            to += 2;
+        }
+        write_be16(to, 0);
+    }
+}
+
+bool Encoder::enter() {
+    if (++levels_ > highest_levels) fail();
+    return error_ == EncodeError::none;
 }
 
 void encode(Encoder& out, bool value) {
@@ -131,8 +153,20 @@ void encode(Encoder& out, float value) {
 void encode(Encoder& out, double value) {
     out.fixed64(std::bit_cast<std::uint64_t>(value));
 }
+void encode(Encoder& out, long double value) {
+    const Binary128 bits = to_binary128(value);
+    out.fixed64(bits.high);
+    out.fixed64(bits.low);
+}
+void encode(Encoder& out, char16_t value) {
+    out.octet(static_cast<std::uint8_t>(value >> 8));
+    out.octet(static_cast<std::uint8_t>(value & 0xFF));
+}
 void encode(Encoder& out, std::string_view value) {
     out.string(value);
+}
+void encode(Encoder& out, std::u16string_view value) {
+    out.wide_string(value);
 }
 
 }  // namespace canorb::ccdr

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "orb/base/bytes.hpp"
+#include "orb/ccdr/fewest_octets.hpp"
 
 namespace canorb::ccdr {
 
@@ -44,10 +45,18 @@ class Encoder {
     void variable_signed(std::int32_t value);
     void fixed64(std::uint64_t value);
     void fixed32(std::uint32_t value);
-    /// A sequence's count, or a string's length with its NUL.
-    void count(std::size_t value);
+    /// A sequence's count, or a string's length with its NUL. It fails for more elements without
+    /// octets than a Decoder reads.
+    void count(std::size_t value, std::size_t element_octets = 1);
     /// Length with the NUL, octets, NUL. A NUL inside fails.
     void string(std::string_view value);
+    /// Length with the final 0, code units, 0. A 0 inside fails.
+    void wide_string(std::u16string_view value);
+
+    /// What Nesting calls.
+    bool enter();
+    void leave() { --levels_; }
+    unsigned levels() const { return levels_; }
 
   private:
     void fail(EncodeError error);
@@ -55,6 +64,8 @@ class Encoder {
 
     MutableBytes buffer_;
     std::size_t size_ = 0;
+    std::size_t octetless_ = 0;  ///< elements without octets so far
+    unsigned levels_ = 0;
     EncodeError error_ = EncodeError::none;
 };
 
@@ -70,7 +81,10 @@ void encode(Encoder& out, std::int64_t value);
 void encode(Encoder& out, std::uint64_t value);
 void encode(Encoder& out, float value);
 void encode(Encoder& out, double value);
+void encode(Encoder& out, long double value);
+void encode(Encoder& out, char16_t value);
 void encode(Encoder& out, std::string_view value);
+void encode(Encoder& out, std::u16string_view value);
 // Nothing else converts by accident.
 template <typename T>
     requires std::is_pointer_v<T>
@@ -88,7 +102,7 @@ void encode(Encoder& out, const std::array<T, N>& value) {
 
 template <typename T>
 void encode(Encoder& out, const std::vector<T>& value) {
-    out.count(value.size());
+    out.count(value.size(), fewest_octets<T>);
     if constexpr (std::same_as<T, std::uint8_t>) {
         out.octets(value);
     } else {

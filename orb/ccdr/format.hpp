@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-/// The constants of CCDR's variable-length integers; the page is doc/wire/ccdr.md.
+/// The constants of CCDR; the page is doc/wire/ccdr.md.
 namespace canorb::ccdr {
 
 /// One length of the variable integers: `octets` long, begins with `lead`, and the bits of the
@@ -20,5 +20,14 @@ inline constexpr VariableForm variable_forms[] = {
     {1, 0x00, 0x80, 7},  {2, 0x80, 0xC0, 14}, {3, 0xC0, 0xE0, 21},
     {4, 0xE0, 0xF0, 28}, {5, 0xF0, 0xFF, 32},
 };
+
+/// The most levels of values within values: of recursive types, and of any within any.
+inline constexpr unsigned highest_levels = 64;
+
+/// The most elements without octets in one message, as many as the largest message has octets.
+inline constexpr std::size_t highest_octetless = 65538;
+
+/// The most levels of a type code.
+inline constexpr unsigned highest_type_code_levels = 16;
 
 }  // namespace canorb::ccdr

@@ -20,6 +20,10 @@ constexpr OperationInfo interface_info{&object_interface, interface_operation, "
 
 }  // namespace
 
+std::shared_ptr<const ccdr::DecodeContext> runtime::ReferenceOwner::shared() const {
+    return {orb.shared_from_this(), this};
+}
+
 ObjectRef::ObjectRef() : to_(nil()) {}
 
 ObjectRef::ObjectRef(std::shared_ptr<runtime::OrbImpl> orb,

@@ -24,8 +24,9 @@
 namespace canorb::runtime {
 
 /// Finds the ORB that a decoded reference belongs to.
-struct ReferenceOwner : ccdr::DecodeContext {
+struct ReferenceOwner final : ccdr::DecodeContext {
     explicit ReferenceOwner(OrbImpl& owner) : orb(owner) {}
+    std::shared_ptr<const ccdr::DecodeContext> shared() const override;
     OrbImpl& orb;
 };
 

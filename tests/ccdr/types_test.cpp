@@ -186,7 +186,7 @@ TEST(Decoder, AfterAnErrorEverythingIsZeroAndEmpty) {
 }
 
 TEST(Decoder, CarriesTheContextThatItWasGiven) {
-    struct Orb : ccdr::DecodeContext {};
+    struct Orb final : ccdr::DecodeContext {};
     const Orb orb;
     EXPECT_EQ(ccdr::Decoder({}, &orb).context(), &orb);
     EXPECT_EQ(ccdr::Decoder(Bytes{}).context(), nullptr);

@@ -111,4 +111,25 @@ class ObjectRef {
 void encode(ccdr::Encoder& out, const ObjectRef& value);
 void decode(ccdr::Decoder& in, ObjectRef& value);
 
+/// Of the interface that all others inherit. A stub has its own.
+constexpr std::string_view type_code_of(const ObjectRef*) {
+    return {"\x0E\x1DIDL:omg.org/CORBA/Object:1.0\0\x01\0", 33};
+}
+
+/// "nil", "group 5" or "node 3 object 1", with the repository id behind where it is known.
+template <OutputStream Stream>
+Stream& operator<<(Stream& out, const ObjectRef& value) {
+    if (value.is_nil()) {
+        out << "nil";
+        return out;
+    }
+    if (value.is_group()) {
+        out << "group " << int{value.group()->value()};
+    } else {
+        out << "node " << int{value.node()->value()} << " object " << *value.index();
+    }
+    if (!value.type_id().empty()) out << ' ' << value.type_id();
+    return out;
+}
+
 }  // namespace canorb
