@@ -302,6 +302,17 @@ std::string structure(const Definition& interface) {
     return Writer{}.interface(interface);
 }
 
+std::uint16_t group_key(const Definition& interface) {
+    std::uint32_t crc = 0xFFFF;
+    for (const char c : interface.repository_id) {
+        crc ^= static_cast<std::uint32_t>(static_cast<std::uint8_t>(c)) << 8;
+        for (int bit = 0; bit < 8; ++bit) {
+            crc = ((crc << 1) ^ ((crc & 0x8000U) != 0 ? 0x1021U : 0U)) & 0xFFFFU;
+        }
+    }
+    return crc == 0 ? std::uint16_t{1} : static_cast<std::uint16_t>(crc);
+}
+
 std::uint32_t crc32(std::string_view text) {
     std::uint32_t crc = 0xFFFFFFFF;
     for (const char c : text) {

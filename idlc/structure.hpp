@@ -29,6 +29,10 @@ std::string label_number(const model::Value& label);
 /// doc/evolution.md.
 std::string structure(const model::Definition& interface);
 
+/// What a Request to a group carries to name the interface: CRC-16/CCITT-FALSE of the repository
+/// id, 1 where that is 0 (doc/wire/giop.md).
+std::uint16_t group_key(const model::Definition& interface);
+
 /// CRC-32 (IEEE 802.3) of a text.
 std::uint32_t crc32(std::string_view text);
 
