@@ -14,4 +14,14 @@ model::Model compile(const Source& source, Diagnostics& diagnostics) {
     return check::build_model(file, source, diagnostics);
 }
 
+void report_obstacles(const model::Model& model, Severity severity, Diagnostics& diagnostics) {
+    for (const model::Obstacle& obstacle : model.obstacles) {
+        if (severity == Severity::error) {
+            diagnostics.error(obstacle.where, obstacle.problem);
+        } else {
+            diagnostics.warning(obstacle.where, "no code can be generated: " + obstacle.problem);
+        }
+    }
+}
+
 }  // namespace canorb::idlc

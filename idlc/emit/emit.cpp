@@ -13,64 +13,101 @@ namespace canorb::idlc::emit {
 
 namespace {
 
-using Definitions = std::vector<const model::Definition*>;
+using Steps = std::vector<Step>;
 using Leaf = std::function<std::string(const Step&)>;
 
-/// What `leaf` gives for the main file's definitions, in their namespaces; empty where it gives
-/// nothing at all.
-std::string in_namespaces(const Definitions& definitions, const Names& names, const Leaf& leaf) {
-    std::vector<std::string> parts;
-    for (const Step& step : cpp_order(definitions)) {
-        const model::Definition* definition = step.definition;
-        std::string text;
-        if (const auto* module = std::get_if<model::Module>(&definition->body)) {
-            const std::string inside = in_namespaces(module->definitions, names, leaf);
-            const std::string name = names.own(*definition);
-            if (!inside.empty()) {
-                text = "namespace " + name + " {\n\n" + inside + "\n}  // namespace " + name + '\n';
-            }
-        } else if (definition->in_main_file) {
-            text = leaf(step);
-        }
-        if (!text.empty()) parts.push_back(std::move(text));
+/// The modules around a definition, from the outside, as C++ calls them.
+std::vector<std::string> namespaces_of(const model::Definition& definition, const Names& names) {
+    std::vector<std::string> path;
+    for (const model::Definition* at = in_namespace_of(definition).around; at != nullptr;
+         at = at->parent) {
+        path.insert(path.begin(), names.own(*at));
     }
-    std::string text;
-    bool after_line = false;
-    for (const std::string& part : parts) {
+    return path;
+}
+
+/// Puts declarations into their namespaces, which it opens and closes as they come.
+class NamespaceWriter {
+  public:
+    void add(const std::vector<std::string>& path, const std::string& declaration) {
+        if (declaration.empty()) return;
+        const auto [common, ours] =
+            std::mismatch(open_.begin(), open_.end(), path.begin(), path.end());
+        close(static_cast<std::size_t>(common - open_.begin()));
         // Constants and aliases stand close together.
-        const bool is_line = part.find('\n') == part.size() - 1;
-        if (!text.empty() && !(after_line && is_line)) text += '\n';
-        text += part;
-        after_line = is_line;
+        const bool is_line = declaration.find('\n') == declaration.size() - 1;
+        if (!text_.empty() && !(after_line_ && is_line && ours == path.end())) text_ += '\n';
+        for (auto name = ours; name != path.end(); ++name) {
+            text_ += "namespace " + *name + " {\n\n";
+            open_.push_back(*name);
+        }
+        text_ += declaration;
+        after_line_ = is_line;
     }
-    return text;
+
+    std::string finish() {
+        close(0);
+        return std::move(text_);
+    }
+
+  private:
+    void close(std::size_t depth) {
+        while (open_.size() > depth) {
+            text_ += "\n}  // namespace " + open_.back() + '\n';
+            open_.pop_back();
+            after_line_ = false;
+        }
+    }
+
+    std::string text_;
+    std::vector<std::string> open_;
+    bool after_line_ = false;
+};
+
+/// What `leaf` gives for each step, in namespaces; empty where it gives nothing at all.
+std::string in_namespaces(const Steps& steps, const Names& names, const Leaf& leaf) {
+    NamespaceWriter writer;
+    for (const Step& step : steps) {
+        writer.add(namespaces_of(*step.definition, names), leaf(step));
+    }
+    return writer.finish();
 }
 
 const model::Interface* as_interface(const model::Definition& definition) {
     return std::get_if<model::Interface>(&definition.body);
 }
 
-bool has_interface(const Definitions& definitions) {
-    return std::any_of(definitions.begin(), definitions.end(), [](const auto* definition) {
-        if (const auto* module = std::get_if<model::Module>(&definition->body)) {
-            return has_interface(module->definitions);
-        }
-        return definition->in_main_file && as_interface(*definition) != nullptr;
-    });
+bool is_local(const Step& step) {
+    const model::Interface* interface = as_interface(*step.definition);
+    return interface != nullptr && interface->kind == model::InterfaceKind::local;
 }
 
-std::string declared(const Step& step, const Names& names) {
+/// An interface that has a stub and a servant.
+bool is_remote(const Step& step) {
+    return as_interface(*step.definition) != nullptr && !is_local(step);
+}
+
+std::string named(const model::Definition& definition, const Names& names) {
+    const bool is_struct = std::holds_alternative<model::Struct>(definition.body);
+    return (is_struct ? "struct " : "class ") + names.own(definition) + ";\n";
+}
+
+std::string declared(const Step& step, const Steps& steps, const Names& names) {
     const model::Definition& definition = *step.definition;
-    if (step.declare_only) {
-        const bool is_struct = std::holds_alternative<model::Struct>(definition.body);
-        return (is_struct ? "struct " : "class ") + names.own(definition) + ";\n";
+    if (step.kind == Step::Kind::declare) return named(definition, names);
+    if (const auto* forward = std::get_if<model::Forward>(&definition.body)) {
+        return named(*forward->definition, names);
     }
-    if (std::holds_alternative<model::Forward>(definition.body)) {
-        return "class " + names.own(definition) + ";\n";
+    std::string text;
+    if (step.kind == Step::Kind::behind) {
+        const std::string name = names.spell(definition, in_namespace_of(definition));
+        text = type_declaration(definition, names, name);
+    } else if (step.kind == Step::Kind::define) {
+        text = as_interface(definition) == nullptr
+                   ? type_declaration(definition, names, names.own(definition))
+               : is_local(step) ? local_declaration(definition, steps, names)
+                                : stub_declaration(definition, steps, names);
     }
-    const std::string text = as_interface(definition) != nullptr
-                                 ? stub_declaration(definition, names)
-                                 : type_declaration(definition, names);
     return text + codec_declaration(definition, names);
 }
 
@@ -117,18 +154,16 @@ constexpr std::string_view source_piece = R"(
 
 GeneratedCode generate(const model::Model& model, const std::string& stem) {
     const Names names{model};
-    const auto all = [&](const Leaf& leaf) {
-        return in_namespaces(model.definitions, names, leaf);
-    };
+    const Steps steps = cpp_order(model.definitions);
+    const auto all = [&](const Leaf& leaf) { return in_namespaces(steps, names, leaf); };
     const auto interfaces = [&](const auto& piece) {
         return all([&](const Step& step) {
-            const model::Definition& definition = *step.definition;
-            return as_interface(definition) != nullptr ? piece(definition) : std::string{};
+            return is_remote(step) ? piece(*step.definition) : std::string{};
         });
     };
     const std::string file = base_name(model.main_file);
     const std::string includes = included_headers(model);
-    const bool calls = has_interface(model.definitions);
+    const bool calls = std::any_of(steps.begin(), steps.end(), is_remote);
 
     GeneratedCode code;
     code.header = fill(header_piece, {{"file", file},
@@ -139,15 +174,16 @@ GeneratedCode generate(const model::Model& model, const std::string& stem) {
                                       {"gap", includes.empty() ? "" : "\n"},
                                       {"includes", includes}});
     code.header += section(calls ? "Types and stubs." : "Types.",
-                           all([&](const Step& step) { return declared(step, names); }));
+                           all([&](const Step& step) { return declared(step, steps, names); }));
     code.header += section("Servants: derive from these.", interfaces([&](const auto& interface) {
                                return servant_declaration(interface, names);
                            }));
 
     code.source = fill(source_piece, {{"file", file}, {"stem", stem}});
     code.source += section("Codec.", all([&](const Step& step) {
-                               return step.declare_only ? std::string{}
-                                                        : codec_definition(*step.definition, names);
+                               return step.kind == Step::Kind::declare
+                                          ? std::string{}
+                                          : codec_definition(*step.definition, names);
                            }));
     code.source +=
         section("Operations.",

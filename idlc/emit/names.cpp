@@ -189,6 +189,14 @@ Context beside(const model::Definition& definition) {
     return {is_interface(around) ? Context::Kind::in_stub : Context::Kind::in_namespace, around};
 }
 
+Context in_namespace_of(const model::Definition& definition) {
+    const model::Definition* around = definition.parent;
+    while (around != nullptr && !std::holds_alternative<model::Module>(around->body)) {
+        around = around->parent;
+    }
+    return {Context::Kind::in_namespace, around};
+}
+
 Context in_stub(const model::Definition& interface) {
     return {Context::Kind::in_stub, &interface};
 }
@@ -224,29 +232,41 @@ std::string Names::path(const model::Definition* definition) const {
     return path(definition->parent) + "::" + own(*definition);
 }
 
+std::string Names::lookup_in_interface(std::string_view name, const model::Definition& interface,
+                                       bool stub) const {
+    std::vector<const model::Definition*> lineage;
+    collect_lineage(&interface, lineage);
+    for (const model::Definition* one : lineage) {
+        const std::string path = this->path(one);
+        const std::string member = path + "::" + std::string{name};
+        if (operations_.count(member) != 0) return "an operation";
+        if (stub && declared_.count(member) != 0) return member;
+        if (stub && own(*one) == name) return path;
+    }
+    const bool has_base =
+        std::get<model::Interface>(interface.body).kind != model::InterfaceKind::local;
+    if (stub && has_base && contains(object_ref_members, name)) return "a member of ObjectRef";
+    return {};
+}
+
 std::string Names::lookup(std::string_view name, const Context& context) const {
     if (std::find(context.hidden.begin(), context.hidden.end(), name) != context.hidden.end()) {
         return "a parameter or member";
     }
-    const model::Definition* around = context.around;
-    if (context.kind != Context::Kind::in_namespace) {
-        std::vector<const model::Definition*> lineage;
-        collect_lineage(around, lineage);
-        const bool stub = context.kind == Context::Kind::in_stub;
-        for (const model::Definition* interface : lineage) {
-            const std::string path = this->path(interface);
-            const std::string member = path + "::" + std::string{name};
-            if (operations_.count(member) != 0) return "an operation";
-            if (stub && declared_.count(member) != 0) return member;
-            if (stub && own(*interface) == name) return path;
+    bool stub = context.kind != Context::Kind::in_servant;
+    for (const model::Definition* around = context.around;; around = around->parent) {
+        if (is_interface(around)) {
+            std::string found = lookup_in_interface(name, *around, stub);
+            if (!found.empty()) return found;
+            stub = true;
+            continue;
         }
-        if (stub && contains(object_ref_members, name)) return "a member of ObjectRef";
-        around = around->parent;
-    }
-    for (;; around = around->parent) {
         std::string member = path(around) + "::" + std::string{name};
         if (declared_.count(member) != 0) return member;
         if (around == nullptr) return {};
+        // A struct's or union's own name is found within it.
+        const bool is_class = !std::holds_alternative<model::Module>(around->body);
+        if (is_class && own(*around) == name) return path(around);
     }
 }
 
@@ -263,8 +283,13 @@ std::string Names::spell(const model::Definition& definition, const Context& con
 std::string Names::type(const model::Type& type, const Context& context) const {
     const std::string bound = std::to_string(type.bound);
     switch (type.kind) {
-        case TypeKind::named:
-            return spell(*type.definition, context);
+        case TypeKind::named: {
+            const auto* interface = std::get_if<model::Interface>(&type.definition->body);
+            const bool local =
+                interface != nullptr && interface->kind == model::InterfaceKind::local;
+            const std::string name = spell(*type.definition, context);
+            return local ? "std::shared_ptr<" + name + '>' : name;
+        }
         case TypeKind::array:
             return "std::array<" + this->type(*type.element, context) + ", " + bound + '>';
         case TypeKind::sequence:

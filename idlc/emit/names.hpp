@@ -25,6 +25,8 @@ struct Context {
 
 /// The context of what stands beside the definition.
 Context beside(const model::Definition& definition);
+/// The context of what stands in the namespace that the definition is in, at whatever depth.
+Context in_namespace_of(const model::Definition& definition);
 Context in_stub(const model::Definition& interface);
 Context in_servant(const model::Definition& interface);
 
@@ -48,6 +50,8 @@ class Names {
 
   private:
     std::string path(const model::Definition* definition) const;
+    std::string lookup_in_interface(std::string_view name, const model::Definition& interface,
+                                    bool stub) const;
     /// The path of what C++ finds for an unqualified name.
     std::string lookup(std::string_view name, const Context& context) const;
 

@@ -43,12 +43,8 @@ std::string servant_members(const model::Definition& interface, const Names& nam
     const Context context = in_servant(interface);
     std::string text;
     for (const model::Operation& operation : body_of(interface).operations) {
-        std::vector<std::string> exceptions;
-        for (const model::Definition* exception : operation.raises) {
-            exceptions.push_back(names.spell(*exception, context));
-        }
-        std::string remark = place(operation.provenance);
-        if (!exceptions.empty()) remark += ", raises " + join(exceptions, ", ");
+        const std::string remark =
+            place(operation.provenance) + raised_remark(operation, names, context);
         // A line between what has a comment and what is before it.
         if (text.empty() || !operation.comment.empty()) text += '\n';
         text +=

@@ -4,6 +4,7 @@
 
 #include "idlc/emit/pieces.hpp"
 #include "idlc/emit/text.hpp"
+#include "idlc/structure.hpp"
 
 namespace canorb::idlc::emit {
 
@@ -13,15 +14,6 @@ using model::Direction;
 
 const model::Interface& body_of(const model::Definition& interface) {
     return std::get<model::Interface>(interface.body);
-}
-
-std::string raised_remark(const model::Operation& operation, const Names& names,
-                          const Context& context) {
-    std::vector<std::string> parts;
-    for (const model::Definition* exception : operation.raises) {
-        parts.push_back(names.spell(*exception, context));
-    }
-    return parts.empty() ? "" : ", raises " + join(parts, ", ");
 }
 
 constexpr std::string_view info_piece = R"(
@@ -39,9 +31,10 @@ std::string interface_info(const model::Definition& interface, const Names& name
     const std::string array =
         wrap("inline constexpr const canorb::InterfaceInfo* " + name + "Bases[] = {",
              join(bases, ", ") + "};");
-    const std::string constant = wrap(
-        "inline constexpr canorb::InterfaceInfo " + name + "Interface{",
-        '"' + interface.repository_id + "\", " + (bases.empty() ? "{}" : name + "Bases") + "};");
+    const std::string constant =
+        wrap("inline constexpr canorb::InterfaceInfo " + name + "Interface{",
+             '"' + interface.repository_id + "\", " + (bases.empty() ? "{}" : name + "Bases") +
+                 ", " + hexadecimal(structural_hash(interface)) + "};");
     return fill(info_piece, {{"id", interface.repository_id},
                              {"bases", bases.empty() ? "" : array},
                              {"constant", constant}});
@@ -70,14 +63,6 @@ $types$
     $name$ with_sent(canorb::SentCallback callback) const;
 $operations$};
 )";
-
-std::string nested_types(const model::Definition& interface, const Names& names) {
-    std::string text;
-    for (const model::Definition* nested : body_of(interface).definitions) {
-        text += '\n' + type_declaration(*nested, names);
-    }
-    return indent(text);
-}
 
 std::string stub_bases(const model::Definition& interface, const Names& names) {
     std::vector<std::string> bases;
@@ -170,6 +155,30 @@ $name$ $name$::with_sent(canorb::SentCallback callback) const {
 
 }  // namespace
 
+std::string nested_types(const model::Definition& interface, const std::vector<Step>& steps,
+                         const Names& names) {
+    std::string text;
+    for (const model::Definition* nested : body_of(interface).definitions) {
+        const bool waits = std::any_of(steps.begin(), steps.end(), [&](const Step& step) {
+            return step.definition == nested && step.kind == Step::Kind::behind;
+        });
+        const std::string name = names.own(*nested);
+        const bool is_struct = std::holds_alternative<model::Struct>(nested->body);
+        text += '\n' + (waits ? (is_struct ? "struct " : "class ") + name + ";\n"
+                              : type_declaration(*nested, names, name));
+    }
+    return indent(text);
+}
+
+std::string raised_remark(const model::Operation& operation, const Names& names,
+                          const Context& context) {
+    std::vector<std::string> parts;
+    for (const model::Definition* exception : operation.raises) {
+        parts.push_back(names.spell(*exception, context));
+    }
+    return parts.empty() ? "" : ", raises " + join(parts, ", ");
+}
+
 std::string signature(const model::Operation& operation, const Names& names,
                       const Context& result_context, const Context& parameter_context,
                       const std::string& scope) {
@@ -199,13 +208,14 @@ std::string local_name(const std::string& wanted, const model::Operation& operat
     return taken ? '_' + wanted : wanted;
 }
 
-std::string stub_declaration(const model::Definition& interface, const Names& names) {
+std::string stub_declaration(const model::Definition& interface, const std::vector<Step>& steps,
+                             const Names& names) {
     return fill(class_piece, {{"info", interface_info(interface, names)},
                               {"place", place(interface.provenance)},
                               {"comment", comment(interface.comment)},
                               {"name", names.own(interface)},
                               {"bases", stub_bases(interface, names)},
-                              {"types", nested_types(interface, names)},
+                              {"types", nested_types(interface, steps, names)},
                               {"operations", stub_members(interface, names)}});
 }
 

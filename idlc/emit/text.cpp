@@ -88,6 +88,12 @@ std::string remarked(std::string_view declaration, std::string_view remark) {
     return comment + '\n' + line + '\n';
 }
 
+std::string hexadecimal(std::uint32_t value) {
+    std::string text{"0x"};
+    for (int shift = 28; shift >= 0; shift -= 4) text += "0123456789ABCDEF"[(value >> shift) & 15];
+    return text;
+}
+
 std::string join(const std::vector<std::string>& parts, std::string_view separator) {
     std::string text;
     for (const std::string& part : parts) {

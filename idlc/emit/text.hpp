@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <initializer_list>
 #include <string>
 #include <string_view>
@@ -26,6 +27,9 @@ std::string wrap(std::string_view begin, std::string_view end);
 
 /// The declaration with the remark behind it as a comment, or above it where it is too long.
 std::string remarked(std::string_view declaration, std::string_view remark);
+
+/// "0x0012ABCD".
+std::string hexadecimal(std::uint32_t value);
 
 std::string join(const std::vector<std::string>& parts, std::string_view separator);
 
