@@ -9,7 +9,12 @@ get_property(layers GLOBAL PROPERTY CANORB_LAYERS)
 install(TARGETS canorb canorb_options ${layers} EXPORT canorbTargets
     ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}
     INCLUDES DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
-install(TARGETS canorb-idlc EXPORT canorbTargets RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+# In a file of its own: where the library is for another machine, the compiler is not with it.
+if(TARGET canorb-idlc)
+    install(TARGETS canorb-idlc EXPORT canorbIdlcTargets
+        RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+    install(EXPORT canorbIdlcTargets NAMESPACE canorb:: DESTINATION ${package_dir})
+endif()
 if(CANORB_BUILD_TOOLS)
     install(TARGETS canorb-bits canorb-bus RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
@@ -32,3 +37,12 @@ install(FILES
     ${PROJECT_SOURCE_DIR}/cmake/CanorbIdl.cmake
     DESTINATION ${package_dir})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
+
+# The build directory is a package, too, for -D canorb_DIR=DIRECTORY.
+export(TARGETS canorb canorb_options canorb_warnings ${layers} NAMESPACE canorb::
+    FILE ${PROJECT_BINARY_DIR}/canorbTargets.cmake)
+if(TARGET canorb-idlc)
+    export(TARGETS canorb-idlc NAMESPACE canorb:: FILE ${PROJECT_BINARY_DIR}/canorbIdlcTargets.cmake)
+endif()
+configure_file(${PROJECT_SOURCE_DIR}/cmake/CanorbIdl.cmake ${PROJECT_BINARY_DIR}/CanorbIdl.cmake
+    COPYONLY)
