@@ -293,14 +293,7 @@ class Lexer {
             }
             return;
         }
-        const bool annotation = !tokens_.empty() && tokens_.back().text == "@";
         add(is_keyword(word) ? TokenKind::keyword : TokenKind::identifier, begin);
-        if (annotation) return;
-        const std::string_view keyword = collides_with_keyword(word);
-        if (keyword.empty()) return;
-        diagnostics_.error(location(begin), "'" + std::string{word} +
-                                                "' differs only in case from the keyword '" +
-                                                std::string{keyword} + "'");
     }
 
     void lex_number() {

@@ -58,7 +58,8 @@ std::vector<Token> tokenize(const Source& source, Diagnostics& diagnostics);
 /// something only in the places where these versions use them.
 bool is_keyword(std::string_view word);
 
-/// The keyword from which `word` differs only in case, which IDL forbids; empty when there is none.
+/// The keyword from which `word` differs only in case; empty when there is none. IDL allows no such
+/// name but an escaped one, which may then be used without its underscore.
 std::string_view collides_with_keyword(std::string_view word);
 
 }  // namespace canorb::idlc

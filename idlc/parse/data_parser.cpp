@@ -197,8 +197,8 @@ std::vector<ast::Enumerator> DataParser::enumerators(const std::string& one,
             expression();
         }
     } while (take(","));
-    if (outdented(open)) fail_unclosed(open);
-    expect("}", "the name of " + one);
+    if (!is("}") && outdented(open)) fail_unclosed(open);
+    if (!take("}")) fail_expected("',' or '}' after " + one);
     return list;
 }
 

@@ -99,6 +99,7 @@ ast::Expression ExpressionParser::unary() {
         in_template_ = outer;
         expect(")", "the expression");
     } else if (current().kind == TokenKind::identifier || is("::")) {
+        check_used_name();
         result.op = Operator::name;
         result.name = scoped_name("the name of a constant");
     } else {

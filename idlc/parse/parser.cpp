@@ -160,9 +160,8 @@ class Parser : public DataParser {
     }
 
     void reject_unsupported() {
-        for (const std::string_view word : {"valuetype", "custom", "import"}) {
-            if (is(word) || is_word(word)) fail_unsupported(quote(word));
-        }
+        if (is("valuetype") || is("custom")) fail_unsupported("'valuetype'");
+        if (is_word("import")) fail_unsupported("'import'");
         if (!is_name(next()) && !is(next(), "::")) {
             if (is_id_word()) fail_expected("a declaration");
             return;
@@ -367,7 +366,7 @@ class Parser : public DataParser {
         do {
             operation.parameters.push_back(parameter());
         } while (take(","));
-        expect(")", "the parameters");
+        if (!take(")")) fail_expected("',' or ')' after the parameter");
     }
 
     ast::Parameter parameter() {
@@ -400,7 +399,8 @@ class Parser : public DataParser {
             if (!is_any_word(current()) && !is("::")) {
                 fail_expected("'in', 'out' or 'inout' before the parameter's type");
             }
-            error("expected 'in', 'out' or 'inout' before the parameter's type");
+            error("expected 'in', 'out' or 'inout' before the parameter's type, not " +
+                  quote(current().text));
         }
     }
 

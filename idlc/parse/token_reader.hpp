@@ -123,8 +123,18 @@ class TokenReader {
 
     /// The name that a declaration gives.
     ast::Identifier identifier(const std::string& what) {
+        const std::string collision = current().escaped ? "" : keyword_collision();
+        if (!collision.empty()) {
+            error(collision + " (write '_" + std::string{current().text} + "')");
+        }
         declared_.insert(current().text);
         return name_part(what);
+    }
+
+    /// Reports the use of a name that nothing has and that differs only in case from a keyword.
+    void check_used_name() {
+        if (current().escaped || declared_.contains(current().text)) return;
+        if (const std::string collision = keyword_collision(); !collision.empty()) error(collision);
     }
 
     ast::ScopedName scoped_name(const std::string& what) {
@@ -164,6 +174,13 @@ class TokenReader {
     std::set<std::string_view> declared_;  ///< every name that was given so far
 
   private:
+    std::string keyword_collision() const {
+        if (!is_name(current())) return {};
+        const std::string_view keyword = collides_with_keyword(current().text);
+        if (keyword.empty()) return {};
+        return quote(current().text) + " differs only in case from the keyword " + quote(keyword);
+    }
+
     ast::Identifier name_part(const std::string& what) {
         if (current().kind == TokenKind::keyword) {
             const std::string word{current().text};

@@ -146,7 +146,7 @@ ast::Type TypeParser::element_type() {
 void TypeParser::named_type(ast::Type& type) {
     if (is_word("map") && is(next(), "<")) return map(type);
     if (foreign_type(type)) return;
-    const std::string word{current().text};
+    check_used_name();
     type.kind = TypeKind::name;
     type.name = scoped_name("the name of a type");
     if (is("<")) {
