@@ -14,11 +14,8 @@ namespace canorb::idlc::emit {
 
 /// The enum, struct, exception, alias or constant; without the codec. `name` is what its head
 /// calls it: "Link", or "Motor::Link" where it is defined behind the class that it belongs to.
-std::string type_declaration(const model::Definition& definition, const Names& names);
-inline std::string type_declaration(const model::Definition& definition, const Names& names,
-                                    const std::string& /*name*/) {
-    return type_declaration(definition, names);
-}
+std::string type_declaration(const model::Definition& definition, const Names& names,
+                             const std::string& name);
 /// encode() and decode() of the definition and of the types in it, for a namespace.
 std::string codec_declaration(const model::Definition& definition, const Names& names);
 std::string codec_definition(const model::Definition& definition, const Names& names);

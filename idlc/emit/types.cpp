@@ -4,6 +4,7 @@
 
 #include "idlc/emit/pieces.hpp"
 #include "idlc/emit/text.hpp"
+#include "idlc/emit/type_pieces.hpp"
 
 namespace canorb::idlc::emit {
 
@@ -11,45 +12,95 @@ namespace {
 
 using Members = std::vector<model::Member>;
 
-std::string enum_declaration(const model::Definition& definition, const model::Enum& body,
-                             const Names& names) {
-    std::vector<std::string> enumerators;
-    bool commented = false;
-    for (const model::Enumerator& enumerator : body.enumerators) {
-        enumerators.push_back(identifier(enumerator.name));
-        commented = commented || !enumerator.comment.empty();
-    }
-    const std::string head = "enum class " + names.own(definition) + " : std::uint32_t {";
-    const std::string one_line = head + ' ' + join(enumerators, ", ") + " };\n";
-    if (!commented && one_line.size() <= line_width) return one_line;
+/// `head` and the entries in braces: on one line where that is short and there are no comments.
+template <typename Entry>
+std::string enumeration(const std::string& head, const std::vector<Entry>& entries,
+                        const std::vector<std::string>& written) {
+    const bool commented = std::any_of(entries.begin(), entries.end(),
+                                       [](const Entry& entry) { return !entry.comment.empty(); });
+    const std::string one_line = head + (written.empty() ? "" : ' ' + join(written, ", ") + ' ');
+    if (!commented && one_line.size() + 2 <= line_width) return one_line + "};\n";
     std::string lines;
-    for (std::size_t i = 0; i < enumerators.size(); ++i) {
-        lines += comment(body.enumerators[i].comment) + enumerators[i] + ",\n";
+    for (std::size_t i = 0; i < entries.size(); ++i) {
+        lines += comment(entries[i].comment) + written[i] + ",\n";
     }
     return head + '\n' + indent(lines) + "};\n";
 }
 
-std::string member_declarations(const Members& members, const Names& names, Context context) {
-    for (const model::Member& member : members) context.hidden.push_back(identifier(member.name));
+std::string enum_declaration(const model::Enum& body, const std::string& name) {
+    std::vector<std::string> written;
+    std::uint32_t next = 0;
+    for (const model::Enumerator& enumerator : body.enumerators) {
+        const bool is_next = enumerator.number == next;
+        written.push_back(identifier(enumerator.name) +
+                          (is_next ? "" : " = " + std::to_string(enumerator.number)));
+        next = enumerator.number + 1;
+    }
+    return enumeration("enum class " + name + " : std::uint32_t {", body.enumerators, written);
+}
+
+std::string bitmask_declaration(const model::Definition& definition, const model::Bitmask& body,
+                                const std::string& name) {
+    const unsigned bits = body.bit_bound;
+    const unsigned width = bits <= 8 ? 8 : bits <= 16 ? 16 : bits <= 32 ? 32 : 64;
+    std::vector<std::string> written;
+    for (const model::Flag& flag : body.flags) {
+        const std::string one = flag.position < 31 ? "1" : flag.position == 31 ? "1U" : "1ULL";
+        written.push_back(identifier(flag.name) + " = " + one + " << " +
+                          std::to_string(flag.position));
+    }
+    const Context context = beside(definition);
+    const bool in_class =
+        context.around != nullptr && !std::holds_alternative<model::Module>(context.around->body);
+    return enumeration("enum class " + name + " : std::uint" + std::to_string(width) + "_t {",
+                       body.flags, written) +
+           (in_class ? "friend " : "") + "canorb::BitmaskBits<" + std::to_string(bits) +
+           "> bitmask_bits(const " + name + "*);\n";
+}
+
+std::string member_declarations(const model::Definition& definition, const Members& members,
+                                const Names& names, const Context& context) {
     std::string text;
     for (const model::Member& member : members) {
-        text += comment(member.comment) +
-                names.variable(member.type, identifier(member.name), context) + '\n';
+        const std::string name = member_name(definition, member);
+        const std::string initial = initial_value(member, names, context);
+        const std::string declared =
+            initial.empty() ? names.variable(member.type, name, context)
+                            : names.type(member.type, context) + ' ' + name + " = " + initial + ';';
+        text += comment(member.comment) + declared + '\n';
     }
     return text;
 }
 
 constexpr std::string_view struct_piece = R"(
-struct $name$ {
-    $members$
-
+struct $head$ {
+    $body$
     friend bool operator==(const $name$&, const $name$&) = default;
 };
 )";
 
+std::string struct_declaration(const model::Definition& definition, const model::Struct& body,
+                               const Names& names, const std::string& name) {
+    std::string head = name;
+    if (body.base != nullptr) {
+        const bool is_behind = name != names.own(definition);
+        const Context context = is_behind ? around_codec(definition) : beside(definition);
+        head += " : " + names.spell(*body.base, context);
+    }
+    model::Type type;
+    type.kind = model::TypeKind::named;
+    type.definition = &definition;
+    std::string inner = model::takes_no_octets(type) ? "using _takes_no_octets = void;\n" : "";
+    inner += nested_declarations(body.definitions, names);
+    inner += member_declarations(definition, body.members, names, inside(definition));
+    if (!inner.empty()) inner += '\n';
+    return fill(struct_piece, {{"head", head}, {"body", inner}, {"name", names.own(definition)}});
+}
+
 constexpr std::string_view exception_piece = R"(
-class $name$ final : public canorb::UserException {
+class $head$ final : public canorb::UserException {
   public:
+    $types$
     static constexpr std::string_view repository_id = "$id$";
 
     $constructors$
@@ -63,13 +114,14 @@ $name$() = default;
 $constructor$
 )";
 
-std::string exception_constructors(const std::string& name, const Members& members,
+std::string exception_constructors(const model::Definition& definition, const Members& members,
                                    const Names& names, const Context& context) {
     if (members.empty()) return {};
+    const std::string name = names.own(definition);
     std::vector<std::string> parameters;
     std::vector<std::string> initializers;
     for (const model::Member& member : members) {
-        const std::string own = identifier(member.name);
+        const std::string own = member_name(definition, member);
         std::string parameter = member.name + "_value";
         while (std::any_of(members.begin(), members.end(),
                            [&](const model::Member& other) { return other.name == parameter; })) {
@@ -80,31 +132,31 @@ std::string exception_constructors(const std::string& name, const Members& membe
                                    ? own + '(' + parameter + ')'
                                    : own + "(std::move(" + parameter + "))");
     }
-    const std::string explicit_keyword = members.size() == 1 ? "explicit " : "";
-    std::string constructor = explicit_keyword + name + '(' + join(parameters, ", ") + ')';
-    const std::string initialized = ": " + join(initializers, ", ") + " {}";
-    const bool fits = constructor.size() + initialized.size() < line_width;
-    constructor += (fits ? " " : "\n    ") + initialized;
+    const std::string begin = (members.size() == 1 ? "explicit " : "") + name + '(';
+    std::string constructor =
+        begin + folded(parameters, begin.size(), std::string(begin.size(), ' ')) + ')';
+    const std::string one_line = ": " + join(initializers, ", ") + " {}";
+    const bool fits = constructor.find('\n') == std::string::npos &&
+                      constructor.size() + one_line.size() < line_width;
+    constructor += fits ? ' ' + one_line : "\n    : " + folded(initializers, 6, "      ") + " {}";
     return fill(constructors_piece, {{"name", name}, {"constructor", constructor}});
 }
 
 std::string exception_declaration(const model::Definition& definition, const model::Exception& body,
-                                  const Names& names) {
-    const std::string name = names.own(definition);
-    const std::string members = member_declarations(body.members, names, beside(definition));
-    Context context = beside(definition);
-    for (const model::Member& member : body.members) {
-        context.hidden.push_back(identifier(member.name));
-    }
+                                  const Names& names, const std::string& name) {
+    const Context context = inside(definition);
+    const std::string members = member_declarations(definition, body.members, names, context);
     return fill(exception_piece,
-                {{"name", name},
+                {{"head", name},
+                 {"types", nested_declarations(body.definitions, names)},
                  {"id", definition.repository_id},
-                 {"constructors", exception_constructors(name, body.members, names, context)},
+                 {"constructors", exception_constructors(definition, body.members, names, context)},
                  {"members", body.members.empty() ? "" : '\n' + members}});
 }
 
 std::string constant_declaration(const model::Definition& definition,
-                                 const model::Constant& constant, const Names& names) {
+                                 const model::Constant& constant, const Names& names,
+                                 const std::string& name) {
     const Context context = beside(definition);
     const bool in_class = context.kind == Context::Kind::in_stub;
     const model::TypeKind kind = model::resolved(constant.type).kind;
@@ -112,119 +164,131 @@ std::string constant_declaration(const model::Definition& definition,
                              : kind == model::TypeKind::wide_string
                                  ? "std::u16string_view"
                                  : names.type(constant.type, context);
-    return std::string{in_class ? "static" : "inline"} + " constexpr " + type + ' ' +
-           names.own(definition) + " = " + names.value(constant.value, constant.type, context) +
-           ";\n";
+    const std::string value = names.value(constant.value, constant.type, context);
+    return wrap(std::string{in_class ? "static" : "inline"} + " constexpr " + type + ' ' + name +
+                    " =",
+                ' ' + value + ";") +
+           '\n';
 }
 
-std::string declaration(const model::Definition& definition, const Names& names) {
+std::string declaration(const model::Definition& definition, const Names& names,
+                        const std::string& name) {
     if (const auto* body = std::get_if<model::Enum>(&definition.body)) {
-        return enum_declaration(definition, *body, names);
+        return enum_declaration(*body, name);
+    }
+    if (const auto* body = std::get_if<model::Bitmask>(&definition.body)) {
+        return bitmask_declaration(definition, *body, name);
     }
     if (const auto* body = std::get_if<model::Struct>(&definition.body)) {
-        return fill(struct_piece,
-                    {{"name", names.own(definition)},
-                     {"members", member_declarations(body->members, names, beside(definition))}});
+        return struct_declaration(definition, *body, names, name);
+    }
+    if (std::holds_alternative<model::Union>(definition.body)) {
+        return union_declaration(definition, names, name);
     }
     if (const auto* body = std::get_if<model::Exception>(&definition.body)) {
-        return exception_declaration(definition, *body, names);
+        return exception_declaration(definition, *body, names, name);
     }
     if (const auto* body = std::get_if<model::Alias>(&definition.body)) {
-        return "using " + names.own(definition) + " = " +
-               names.type(body->type, beside(definition)) + ";\n";
+        return "using " + name + " = " + names.type(body->type, beside(definition)) + ";\n";
     }
     if (const auto* body = std::get_if<model::Constant>(&definition.body)) {
-        return constant_declaration(definition, *body, names);
-    }
-    return {};
-}
-
-/// Where the codec of a definition is: in the namespace, also for types inside of an interface.
-Context namespace_around(const model::Definition& definition) {
-    const Context context = beside(definition);
-    if (context.kind == Context::Kind::in_namespace) return context;
-    return {Context::Kind::in_namespace, context.around->parent};
-}
-
-constexpr std::string_view codec_declaration_piece = R"(
-void encode(canorb::ccdr::Encoder& out, $type$ value);
-void decode(canorb::ccdr::Decoder& in, $name$& value);
-)";
-
-constexpr std::string_view enum_codec_piece = R"(
-void encode(canorb::ccdr::Encoder& out, $name$ value) {
-    const auto number = static_cast<std::uint32_t>(value);
-    if (number > $highest$) return out.fail();
-    out.variable_unsigned(number);
-}
-
-void decode(canorb::ccdr::Decoder& in, $name$& value) {
-    value = static_cast<$name$>(in.variable_unsigned($highest$));
-}
-)";
-
-constexpr std::string_view members_codec_piece = R"(
-void encode(canorb::ccdr::Encoder& out, const $name$& value) {
-    $encodes$
-}
-
-void decode(canorb::ccdr::Decoder& in, $name$& value) {
-    $decodes$
-}
-)";
-
-constexpr std::string_view empty_codec_piece = R"(
-void encode(canorb::ccdr::Encoder&, const $name$&) {}
-
-void decode(canorb::ccdr::Decoder&, $name$&) {}
-)";
-
-constexpr std::string_view reference_codec_piece = R"(
-void encode(canorb::ccdr::Encoder& out, const $name$& value) {
-    encode(out, static_cast<const canorb::ObjectRef&>(value));
-}
-
-void decode(canorb::ccdr::Decoder& in, $name$& value) {
-    canorb::ObjectRef reference;
-    decode(in, reference);
-    value = $name${reference};
-}
-)";
-
-std::string members_codec(const std::string& name, const Members& members) {
-    if (members.empty()) return fill(empty_codec_piece, {{"name", name}});
-    std::string encodes;
-    std::string decodes;
-    for (const model::Member& member : members) {
-        const std::string value = coded(member.type, "value." + identifier(member.name));
-        encodes += "encode(out, " + value + ");\n";
-        decodes += "decode(in, " + value + ");\n";
-    }
-    return fill(members_codec_piece, {{"name", name}, {"encodes", encodes}, {"decodes", decodes}});
-}
-
-std::string own_codec(const model::Definition& definition, const Names& names) {
-    const std::string name = names.spell(definition, namespace_around(definition));
-    if (const auto* body = std::get_if<model::Enum>(&definition.body)) {
-        const std::string highest = std::to_string(body->enumerators.size() - 1);
-        return fill(enum_codec_piece, {{"name", name}, {"highest", highest}});
-    }
-    if (const auto* body = std::get_if<model::Struct>(&definition.body)) {
-        return members_codec(name, body->members);
-    }
-    if (const auto* body = std::get_if<model::Exception>(&definition.body)) {
-        return members_codec(name, body->members);
-    }
-    if (std::holds_alternative<model::Interface>(definition.body)) {
-        return fill(reference_codec_piece, {{"name", name}});
+        return constant_declaration(definition, *body, names, name);
     }
     return {};
 }
 
 }  // namespace
 
-std::string type_declaration(const model::Definition& definition, const Names& names) {
-    std::string text = declaration(definition, names);
+std::vector<const model::Member*> all_members(const model::Definition& definition) {
+    std::vector<const model::Member*> all;
+    const auto append = [&](const Members& members) {
+        for (const model::Member& member : members) all.push_back(&member);
+    };
+    if (const auto* body = std::get_if<model::Struct>(&definition.body)) {
+        if (body->base != nullptr) all = all_members(*body->base);
+        append(body->members);
+    } else if (const auto* exception = std::get_if<model::Exception>(&definition.body)) {
+        append(exception->members);
+    }
+    return all;
+}
+
+std::string member_name(const model::Definition& definition, const model::Member& member) {
+    // What the class of an exception has already.
+    const bool is_taken =
+        std::holds_alternative<model::Exception>(definition.body) && member.name == "repository_id";
+    return is_taken ? "_cxx_" + member.name : identifier(member.name);
+}
+
+Context inside(const model::Definition& definition) {
+    Context context{Context::Kind::in_namespace, &definition};
+    for (const model::Member* member : all_members(definition)) {
+        context.hidden.push_back(member_name(definition, *member));
+    }
+    if (const auto* body = std::get_if<model::Struct>(&definition.body)) {
+        // What a base struct declares in place is found first.
+        for (const model::Definition* base = body->base; base != nullptr;
+             base = std::get<model::Struct>(base->body).base) {
+            for (const model::Definition* nested :
+                 std::get<model::Struct>(base->body).definitions) {
+                context.hidden.push_back(identifier(nested->name));
+            }
+        }
+    } else if (const auto* choice = std::get_if<model::Union>(&definition.body)) {
+        for (const model::UnionCase& one : choice->cases) {
+            context.hidden.push_back(identifier(one.member.name));
+        }
+        for (const char* used : {"value", "discriminator", "Stream"}) {
+            context.hidden.emplace_back(used);
+        }
+    } else {
+        for (const char* inherited : {"UserException", "Exception", "what"}) {
+            context.hidden.emplace_back(inherited);
+        }
+    }
+    return context;
+}
+
+std::string nested_declarations(const model::Definitions& definitions, const Names& names) {
+    std::string text;
+    for (const model::Definition* definition : definitions) {
+        text += type_declaration(*definition, names, names.own(*definition)) + '\n';
+    }
+    return text;
+}
+
+std::string initial_value(const model::Member& member, const Names& names, const Context& context) {
+    if (member.default_value) return names.value(*member.default_value, member.type, context);
+    const model::Type& known = model::resolved(member.type);
+    if (known.kind != model::TypeKind::named) return {};
+    const auto* body = std::get_if<model::Enum>(&known.definition->body);
+    if (body == nullptr || body->enumerators[body->default_index].number == 0) return {};
+    return names.value(model::EnumeratorValue{known.definition, body->default_index}, member.type,
+                       context);
+}
+
+std::string folded(const std::vector<std::string>& parts, std::size_t taken,
+                   const std::string& margin) {
+    std::string text;
+    std::size_t column = taken;
+    for (const std::string& part : parts) {
+        const bool is_first = &part == &parts.front();
+        if (!is_first && column + part.size() + 3 > line_width - 4) {
+            text += ",\n" + margin;
+            column = margin.size();
+        } else if (!is_first) {
+            text += ", ";
+            column += 2;
+        }
+        text += part;
+        column += part.size();
+    }
+    return text;
+}
+
+std::string type_declaration(const model::Definition& definition, const Names& names,
+                             const std::string& name) {
+    std::string text = declaration(definition, names, name);
     if (text.empty()) return {};
     const std::string from = place(definition.provenance);
     const bool is_line = text.find('\n') == text.size() - 1;
@@ -233,33 +297,6 @@ std::string type_declaration(const model::Definition& definition, const Names& n
         return remarked(text, from);
     }
     return "// " + from + '\n' + comment(definition.comment) + text;
-}
-
-std::string codec_declaration(const model::Definition& definition, const Names& names) {
-    std::string text;
-    if (!own_codec(definition, names).empty()) {
-        const std::string name = names.spell(definition, namespace_around(definition));
-        const bool is_enum = std::holds_alternative<model::Enum>(definition.body);
-        text = fill(codec_declaration_piece,
-                    {{"name", name}, {"type", is_enum ? name : "const " + name + '&'}});
-    }
-    const auto* interface = std::get_if<model::Interface>(&definition.body);
-    if (interface == nullptr) return text;
-    for (const model::Definition* nested : interface->definitions) {
-        text += codec_declaration(*nested, names);
-    }
-    return text;
-}
-
-std::string codec_definition(const model::Definition& definition, const Names& names) {
-    std::string text = own_codec(definition, names);
-    const auto* interface = std::get_if<model::Interface>(&definition.body);
-    if (interface == nullptr) return text;
-    for (const model::Definition* nested : interface->definitions) {
-        const std::string codec = codec_definition(*nested, names);
-        if (!codec.empty()) text += '\n' + codec;
-    }
-    return text;
 }
 
 }  // namespace canorb::idlc::emit

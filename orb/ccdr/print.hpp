@@ -123,6 +123,20 @@ Stream& print_members(Stream& out, const NamesAndValues&... names_and_values) {
     return out;
 }
 
+/// An enum: the name, of an unknown value its number.
+template <OutputStream Stream, typename T>
+Stream& print_enumerator(Stream& out, T value,
+                         std::initializer_list<std::pair<T, std::string_view>> names) {
+    for (const auto& [enumerator, name] : names) {
+        if (enumerator == value) {
+            out << name;
+            return out;
+        }
+    }
+    out << static_cast<std::uint32_t>(value);
+    return out;
+}
+
 /// A bitmask: hot|stalled, bits without a name as a number behind, 0 for none.
 template <OutputStream Stream, Bitmask T>
 Stream& print_flags(Stream& out, T flags,

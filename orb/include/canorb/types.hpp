@@ -1,7 +1,7 @@
 #pragma once
 
 /// What generated types and their codec need: identifiers, CCDR, bounded strings and sequences,
-/// fixed, any, maps, bitmasks, printing, user exceptions.
+/// fixed, any, maps, bitmasks, unions, printing, user exceptions.
 
 #include <array>
 #include <cstdint>
@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "canorb/exceptions.hpp"
+#include "canorb/union.hpp"
 #include "orb/base/ids.hpp"
 #include "orb/base/interface_info.hpp"
 #include "orb/base/time.hpp"

@@ -1,0 +1,263 @@
+#include <string>
+#include <vector>
+
+#include "idlc/emit/pieces.hpp"
+#include "idlc/emit/text.hpp"
+#include "idlc/emit/type_pieces.hpp"
+
+namespace canorb::idlc::emit {
+
+namespace {
+
+const model::Union& body_of(const model::Definition& definition) {
+    return std::get<model::Union>(definition.body);
+}
+
+/// Whether a value of the discriminator can select no member.
+bool can_be_empty(const model::Union& body) {
+    for (const model::UnionCase& one : body.cases) {
+        if (one.is_default) return false;
+    }
+    return body.unlabelled.has_value();
+}
+
+/// Which alternative of the std::variant a value without a label selects. It may be one behind the
+/// last: then only a value that the discriminator's type does not have selects it.
+std::size_t unlabelled_index(const model::Union& body) {
+    std::size_t index = 0;
+    while (index < body.cases.size() && !body.cases[index].is_default) ++index;
+    return index;
+}
+
+/// What the member is called in messages.
+std::string full_name(const model::Definition& definition, const std::string& member) {
+    return '"' + model::scoped_name(definition) + "::" + member + '"';
+}
+
+constexpr std::string_view switch_piece = R"(
+switch (discriminator) {
+    $cases$
+    default:
+        return $unlabelled$;
+}
+)";
+
+/// The statement that returns which alternative `discriminator` selects.
+std::string selection(const model::Union& body, const Names& names, const Context& context) {
+    const std::size_t unlabelled = unlabelled_index(body);
+    std::string cases;
+    // Compilers do not like a switch over a bool.
+    std::size_t of_bool[] = {unlabelled, unlabelled};
+    for (std::size_t i = 0; i < body.cases.size(); ++i) {
+        const model::UnionCase& one = body.cases[i];
+        if (one.is_default) continue;
+        for (const model::Value& label : one.labels) {
+            if (const bool* value = std::get_if<bool>(&label)) of_bool[*value ? 1 : 0] = i;
+            cases += "case " + names.value(label, body.discriminator, context) + ":\n";
+        }
+        cases += "    return " + std::to_string(i) + ";\n";
+    }
+    if (model::resolved(body.discriminator).kind == model::TypeKind::boolean) {
+        return "return discriminator ? " + std::to_string(of_bool[1]) + " : " +
+               std::to_string(of_bool[0]) + ";\n";
+    }
+    return fill(switch_piece, {{"cases", cases}, {"unlabelled", std::to_string(unlabelled)}});
+}
+
+// A reference to the member, the value itself of a scalar.
+constexpr std::string_view member_piece = R"(
+$comment$
+void $name$($type$ value) {
+    _members.emplace<$index$>($value$);
+    _discriminator = $label$;
+}
+$labelled$
+$read$ $name$() const { return canorb::union_member<$index$>(_members, $full_name$); }
+$type$& $name$() { return canorb::union_member<$index$>(_members, $full_name$); }
+)";
+
+constexpr std::string_view labelled_piece = R"(
+void $name$($type$ value, $discriminator$ discriminator) {
+    if (_selected_by(discriminator) != $index$) canorb::throw_not_selected($full_name$);
+    _members.emplace<$index$>($value$);
+    _discriminator = discriminator;
+}
+)";
+
+std::string member_functions(const model::Definition& definition, std::size_t index,
+                             const Names& names, const Context& context) {
+    const model::Union& body = body_of(definition);
+    const model::UnionCase& one = body.cases[index];
+    const std::string name = identifier(one.member.name);
+    const std::string type = names.type(one.member.type, context);
+    const bool is_scalar = model::is_scalar(one.member.type);
+    const std::string value = is_scalar ? "value" : "std::move(value)";
+    const model::Value& label = one.labels.empty() ? *body.unlabelled : one.labels.front();
+    const std::string of_index = std::to_string(index);
+    const std::string full = full_name(definition, one.member.name);
+    const bool has_choice = one.is_default || one.labels.size() > 1;
+    const std::string labelled =
+        has_choice
+            ? fill(labelled_piece, {{"name", name},
+                                    {"type", type},
+                                    {"discriminator", names.type(body.discriminator, context)},
+                                    {"index", of_index},
+                                    {"full_name", full},
+                                    {"value", value}})
+            : "";
+    return fill(member_piece, {{"comment", comment(one.member.comment)},
+                               {"name", name},
+                               {"type", type},
+                               {"index", of_index},
+                               {"value", value},
+                               {"label", names.value(label, body.discriminator, context)},
+                               {"labelled", labelled},
+                               {"read", is_scalar ? type : "const " + type + '&'},
+                               {"full_name", full}});
+}
+
+constexpr std::string_view empty_piece = R"(
+/// No member.
+void _default() {
+    _members.emplace<$index$>();
+    _discriminator = $label$;
+}
+)";
+
+constexpr std::string_view friends_piece = R"(
+friend void encode(canorb::ccdr::Encoder& out, const $name$& value);
+friend void decode(canorb::ccdr::Decoder& in, $name$& value);
+template <canorb::OutputStream Stream>
+friend Stream& operator<<(Stream& out, const $name$& value) {
+    return canorb::print_union(out, value._discriminator, value._members,
+                               {$members$});
+}
+)";
+
+std::string friends(const model::Definition& definition, const Names& names,
+                    const Context& context) {
+    if (!is_sendable(definition)) return {};
+    std::vector<std::string> members;
+    for (const model::UnionCase& one : body_of(definition).cases) {
+        members.push_back('"' + one.member.name + '"');
+    }
+    const std::string margin(28, ' ');
+    return fill(friends_piece, {{"name", names.spell(definition, context)},
+                                {"members", folded(members, margin.size() + 4, "")}});
+}
+
+constexpr std::string_view union_piece = R"(
+class $head$ {
+  public:
+    $types$
+    $discriminator$ _d() const { return _discriminator; }
+    /// To another value that selects the same member; canorb::BAD_PARAM for all others.
+    void _d($discriminator$ discriminator) {
+        if (_selected_by(discriminator) != _members.index()) canorb::throw_not_selected($d_name$);
+        _discriminator = discriminator;
+    }
+
+    $members$
+    friend bool operator==(const $name$&, const $name$&) = default;
+    $friends$
+
+  private:
+    static constexpr std::size_t _selected_by($discriminator$ discriminator) {
+        $selection$
+    }
+
+    $discriminator$ _discriminator = $first$;
+    $storage$
+};
+)";
+
+std::string storage(const model::Union& body, const Names& names, const Context& context) {
+    std::vector<std::string> types;
+    for (const model::UnionCase& one : body.cases) {
+        types.push_back(names.type(one.member.type, context));
+    }
+    if (can_be_empty(body)) types.emplace_back("std::monostate");
+    const std::string initial = initial_value(body.cases.front().member, names, context);
+    return "std::variant<" + folded(types, 17, std::string(13, ' ')) + "> _members" +
+           (initial.empty() ? "" : "{std::in_place_index<0>, " + initial + '}') + ';';
+}
+
+constexpr std::string_view codec_piece = R"(
+void encode(canorb::ccdr::Encoder& out, const $name$& value) {
+    $encode_nesting$
+    encode(out, value._discriminator);
+    switch (value._members.index()) {
+        $encodes$
+        default:
+            return$encode_default$;
+    }
+}
+
+void decode(canorb::ccdr::Decoder& in, $name$& value) {
+    $decode_nesting$
+    decode(in, value._discriminator);
+    switch ($name$::_selected_by(value._discriminator)) {
+        $decodes$
+        default:
+            $decode_default$
+    }
+}
+)";
+
+}  // namespace
+
+std::string union_declaration(const model::Definition& definition, const Names& names,
+                              const std::string& name) {
+    const model::Union& body = body_of(definition);
+    const Context context = inside(definition);
+    std::string members;
+    for (std::size_t i = 0; i < body.cases.size(); ++i) {
+        members += member_functions(definition, i, names, context) + '\n';
+    }
+    if (can_be_empty(body)) {
+        const std::string label = names.value(*body.unlabelled, body.discriminator, context);
+        members +=
+            fill(empty_piece, {{"index", std::to_string(body.cases.size())}, {"label", label}}) +
+            '\n';
+    }
+    const model::UnionCase& first = body.cases.front();
+    const model::Value& label = first.labels.empty() ? *body.unlabelled : first.labels.front();
+    return fill(union_piece, {{"head", name},
+                              {"name", names.own(definition)},
+                              {"types", nested_declarations(body.definitions, names)},
+                              {"discriminator", names.type(body.discriminator, context)},
+                              {"d_name", full_name(definition, "_d")},
+                              {"members", members},
+                              {"friends", friends(definition, names, context)},
+                              {"selection", selection(body, names, context)},
+                              {"first", names.value(label, body.discriminator, context)},
+                              {"storage", storage(body, names, context)}});
+}
+
+std::string union_codec(const model::Definition& definition, const Names& names) {
+    const model::Union& body = body_of(definition);
+    std::string encodes;
+    std::string decodes;
+    for (std::size_t i = 0; i < body.cases.size(); ++i) {
+        const model::Type& type = body.cases[i].member.type;
+        const std::string index = std::to_string(i);
+        const std::string head = "case " + index + ":\n    return ";
+        encodes += head + "encode(out, " +
+                   coded(type, "*std::get_if<" + index + ">(&value._members)") + ");\n";
+        decodes +=
+            head + "decode(in, " + coded(type, "value._members.emplace<" + index + ">()") + ");\n";
+    }
+    const bool is_recursive = model::is_recursive(definition);
+    const bool can_be_empty = emit::can_be_empty(body);
+    const std::string empty =
+        "value._members.emplace<" + std::to_string(body.cases.size()) + ">();";
+    return fill(codec_piece, {{"name", names.spell(definition, around_codec(definition))},
+                              {"encode_nesting", is_recursive ? nesting("out") : ""},
+                              {"decode_nesting", is_recursive ? nesting("in") : ""},
+                              {"encodes", encodes},
+                              {"encode_default", can_be_empty ? "" : " out.fail()"},
+                              {"decodes", decodes},
+                              {"decode_default", can_be_empty ? empty : "return in.fail();"}});
+}
+
+}  // namespace canorb::idlc::emit
