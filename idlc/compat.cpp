@@ -254,7 +254,7 @@ void Comparison::note_kept_ids() {
     for (const Definition* old_one : old_) {
         const Definition* new_one = match(*old_one);
         if (new_one == nullptr || !std::holds_alternative<Interface>(old_one->body) ||
-            old_one->repository_id != new_one->repository_id) {
+            is_local_interface(*new_one) || old_one->repository_id != new_one->repository_id) {
             continue;
         }
         const std::set<const Definition*> all = parts(*new_one);

@@ -277,6 +277,9 @@ std::string Writer::interface(const Definition& definition) {
     bases.erase(std::unique(bases.begin(), bases.end()), bases.end());
     for (const std::string& base : bases) text += "inherits " + base + '\n';
 
+    // It is not on the wire, and its operations have no ids.
+    if (body.kind == model::InterfaceKind::local) return text;
+
     std::vector<model::InheritedOperation> operations = model::inherited_operations(body);
     for (const model::Operation& own : body.operations) operations.push_back({&definition, &own});
     std::sort(operations.begin(), operations.end(),

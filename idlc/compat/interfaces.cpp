@@ -99,7 +99,7 @@ void Comparison::bases(const Definition& old_one, const Definition& new_one) {
         }
         add("base-added", old_one, new_one,
             model::scoped_name(new_one) + " inherits " + model::scoped_name(*base) +
-                " now: an old object is none, so narrow in a new client gives nil for it");
+                " now: an old object does not, so narrow to it in a new client gives nil");
     }
 }
 

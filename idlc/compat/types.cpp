@@ -131,8 +131,13 @@ void Comparison::type(const Type& old_type, const Type& new_type, const Site& si
         default:
             return;
     }
-    if (from.key && to.key) type(*from.key, *to.key, site);
-    if (from.element && to.element) type(*from.element, *to.element, site);
+    const auto part = [&](const char* of) {
+        Site inner = site;
+        inner.name = of + site.name;
+        return inner;
+    };
+    if (from.key && to.key) type(*from.key, *to.key, part("a key of "));
+    if (from.element && to.element) type(*from.element, *to.element, part("an element of "));
 }
 
 bool Comparison::same_octets(const Type& old_type, const Type& new_type) {
@@ -217,7 +222,8 @@ void Comparison::enumeration(const Definition& old_one, const Definition& new_on
         if (with_name(from, each.name) != nullptr) continue;
         const model::Enumerator* before = with_number(from, each.number);
         if (before == nullptr) {
-            add("enumerator-appended", old_one, new_one, describe(each) + " is new: " + refused);
+            add("enumerator-appended", old_one, new_one,
+                describe(each) + " is new: where it is sent, " + refused);
         } else if (with_name(to, before->name) == nullptr) {
             add("enumerator-renamed", old_one, new_one,
                 describe(*before) + " is called " + each.name +
@@ -279,7 +285,7 @@ void Comparison::bitmask(const Definition& old_one, const Definition& new_one) {
         } else {
             const bool raised = to.bit_bound > from.bit_bound;
             add(raised ? RuleName{"bound-raised"} : RuleName{"bound-lowered"}, old_one, new_one,
-                change + "with one of the others set " +
+                change + "where one of the others is set, " +
                     refuses(raised ? "an old" : "a new", flow(old_one, new_one)));
         }
     }

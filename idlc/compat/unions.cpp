@@ -25,8 +25,12 @@ const model::Enumerator* named(const model::Enum& enumeration, const std::string
     return at == enumeration.enumerators.end() ? nullptr : &*at;
 }
 
-/// "RUNNING", or the number that the label is on the wire.
+/// "RUNNING", "'a'", "TRUE", or the number that the label is on the wire.
 std::string label_text(const model::Value& label) {
+    if (const auto* truth = std::get_if<bool>(&label)) return *truth ? "TRUE" : "FALSE";
+    if (const auto* character = std::get_if<char>(&label)) {
+        if (*character > ' ' && *character <= '~') return std::string{'\'', *character, '\''};
+    }
     const auto* enumerator = std::get_if<model::EnumeratorValue>(&label);
     if (enumerator == nullptr) return label_number(label);
     return std::get<model::Enum>(enumerator->enumeration->body)
@@ -139,9 +143,9 @@ void Comparison::choice(const Definition& old_one, const Definition& new_one) {
         }
     }
     if (default_case(from) != nullptr && default_case(to) != nullptr) {
-        selection("default", "union-label-moved", default_case(from), default_case(to));
+        selection("the default", "union-label-moved", default_case(from), default_case(to));
     } else {
-        selection("default",
+        selection("the default",
                   default_case(to) != nullptr ? RuleName{"union-default-added"}
                                               : RuleName{"union-default-removed"},
                   default_case(from), default_case(to));
@@ -173,11 +177,13 @@ void Comparison::constant(const Definition& old_one, const Definition& new_one) 
         return;
     }
     const auto text = [](const model::Value& value) {
-        const std::string label = label_text(value);
-        return label.empty() ? std::string{"another value"} : label;
+        const auto* characters = std::get_if<std::string>(&value);
+        return characters == nullptr ? label_text(value) : '"' + *characters + '"';
     };
+    const std::string now = text(to.value);
     add("constant-changed", old_one, new_one,
-        model::scoped_name(old_one) + " was " + text(from.value) + ", is " + text(to.value) +
+        model::scoped_name(old_one) +
+            (now.empty() ? " has another value" : " was " + text(from.value) + ", is " + now) +
             ": constants are not sent, so old nodes go on with theirs");
 }
 

@@ -188,7 +188,9 @@ Json operation(const model::InheritedOperation& entry) {
     static constexpr std::string_view kinds[] = {"operation", "get", "set"};
     static constexpr std::string_view directions[] = {"in", "out", "inout"};
     const model::Operation& what = *entry.operation;
-    Json json{{"id", what.id},
+    const auto& interface = std::get<model::Interface>(entry.interface->body);
+    const bool has_id = interface.kind != model::InterfaceKind::local;
+    Json json{{"id", has_id ? Json(what.id) : Json{}},
               {"name", model::wire_name(what)},
               {"kind", kinds[static_cast<std::size_t>(what.kind)]},
               {"declared_in", model::scoped_name(*entry.interface)},
@@ -219,8 +221,10 @@ Json interface(const Definition& definition, bool defined) {
               {"bases", names(body.bases)}};
     std::vector<model::InheritedOperation> all = model::inherited_operations(body);
     for (const model::Operation& own : body.operations) all.push_back({&definition, &own});
-    std::sort(all.begin(), all.end(),
-              [](const auto& a, const auto& b) { return a.operation->id < b.operation->id; });
+    if (body.kind != model::InterfaceKind::local) {
+        std::sort(all.begin(), all.end(),
+                  [](const auto& a, const auto& b) { return a.operation->id < b.operation->id; });
+    }
     Json& operations = json["operations"] = Json::array();
     for (const model::InheritedOperation& each : all) operations.push_back(operation(each));
     return json;
@@ -283,9 +287,7 @@ class Document {
             json = interface(definition, defined_.count(&definition) != 0);
         } else {
             json["name"] = model::scoped_name(definition);
-            if (!definition.repository_id.empty()) {
-                json["repository_id"] = definition.repository_id;
-            }
+            json["repository_id"] = definition.repository_id;
             if (!std::holds_alternative<model::Constant>(definition.body) &&
                 !std::holds_alternative<model::Exception>(definition.body)) {
                 json["kind"] = kind_of(definition);
