@@ -4,19 +4,24 @@
 #include <algorithm>
 #include <cstdint>
 #include <filesystem>
+#include <iomanip>
 #include <iostream>
 #include <map>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <string>
 #include <vector>
 
+#include "idlc/compat.hpp"
 #include "idlc/compile.hpp"
 #include "idlc/emit/emit.hpp"
+#include "idlc/emit/json.hpp"
 #include "idlc/files.hpp"
 #include "idlc/lexer.hpp"
 #include "idlc/parse/parser.hpp"
 #include "idlc/preprocess.hpp"
+#include "idlc/structure.hpp"
 
 namespace {
 
@@ -27,7 +32,16 @@ constexpr int error_found = 1;
 constexpr int usage_error = 2;
 
 /// What a run gives.
-enum class Output : std::uint8_t { code, dependencies, nothing, ids, tree };
+enum class Output : std::uint8_t {
+    code,
+    json,
+    dependencies,
+    nothing,
+    ids,
+    hashes,
+    tree,
+    comparison
+};
 
 struct Options {
     std::vector<std::string> files;
@@ -133,6 +147,42 @@ bool write_code(const std::string& file, const model::Model& model, const Option
     return write(names[0], code.header) && write(names[1], code.source);
 }
 
+/// What the file means; nothing where it has errors, which are then told.
+std::optional<model::Model> compile_file(const Source& source) {
+    Diagnostics diagnostics;
+    model::Model model = compile(source, diagnostics);
+    std::cerr << format(diagnostics, source);
+    if (diagnostics.failed()) return std::nullopt;
+    return model;
+}
+
+/// "1A2B3C4D Devices::Motor", a line for each interface that the main file defines.
+std::string hash_table(const model::Model& model) {
+    std::ostringstream text;
+    text << std::hex << std::uppercase << std::setfill('0');
+    for (const auto& definition : model.storage) {
+        if (!definition->in_main_file) continue;
+        if (!std::holds_alternative<model::Interface>(definition->body)) continue;
+        text << std::setw(8) << structural_hash(*definition) << ' ' << scoped_name(*definition)
+             << '\n';
+    }
+    return text.str();
+}
+
+bool compare_files(const Options& options) {
+    std::vector<std::unique_ptr<Source>> sources;
+    std::vector<model::Model> models;
+    for (const std::string& file : options.files) {
+        sources.push_back(load(file, options));
+        if (sources.back() == nullptr) continue;
+        if (auto model = compile_file(*sources.back())) models.push_back(*std::move(model));
+    }
+    if (models.size() != 2) return false;
+    const auto findings = compat::compare(models[0], models[1]);
+    std::cout << compat::format(findings);
+    return !compat::any_breaks(findings);
+}
+
 /// `rules` collects what --depfile writes.
 bool process(const std::string& file, const Options& options, std::string& rules) {
     const auto source = load(file, options);
@@ -141,19 +191,20 @@ bool process(const std::string& file, const Options& options, std::string& rules
         std::cout << dependencies(file, *source, options);
         return true;
     }
-    Diagnostics diagnostics;
     if (options.output == Output::tree) {
+        Diagnostics diagnostics;
         std::cout << syntax_tree(*source, diagnostics);
         std::cerr << format(diagnostics, *source);
         return !diagnostics.failed();
     }
-    const model::Model model = compile(*source, diagnostics);
-    std::cerr << format(diagnostics, *source);
-    if (diagnostics.failed()) return false;
-    if (options.output == Output::ids) std::cout << model::operation_table(model);
+    const auto model = compile_file(*source);
+    if (!model) return false;
+    if (options.output == Output::ids) std::cout << model::operation_table(*model);
+    if (options.output == Output::hashes) std::cout << hash_table(*model);
+    if (options.output == Output::json) std::cout << emit::json(*model);
     if (options.output != Output::code) return true;
     rules += dependencies(file, *source, options);
-    return write_code(file, model, options);
+    return write_code(file, *model, options);
 }
 
 int run(const Options& options) {
@@ -163,7 +214,11 @@ int run(const Options& options) {
     }
     bool ok = true;
     std::string rules;
-    for (const std::string& file : options.files) ok = process(file, options, rules) && ok;
+    if (options.output == Output::comparison) {
+        ok = compare_files(options);
+    } else {
+        for (const std::string& file : options.files) ok = process(file, options, rules) && ok;
+    }
     if (ok && !options.depfile.empty()) ok = write(options.depfile, rules);
     if (!std::cout.flush()) ok = fail("standard output", "cannot be written");
     return ok ? 0 : error_found;
@@ -174,13 +229,14 @@ constexpr const char* description =
     "FILE.cpp. FILE.hpp includes OTHER.hpp where FILE.idl includes OTHER.idl.";
 
 constexpr const char* footer =
-    "Without one of --check, --print-ids, --dump-ast and --emit, C++ is written.\n"
-    "The exit code is 0 when all is well, 1 for errors in a file, 2 for a wrong command line.\n"
+    "The exit code is 0 when all is well, 1 for errors in a file or, of --compat, a change that\n"
+    "breaks deployed nodes, 2 for a wrong command line.\n"
     "\n"
     "Examples:\n"
     "  canorb-idlc devices.idl                        writes devices.hpp and devices.cpp here\n"
     "  canorb-idlc -I common -o generated pump.idl    pump.idl includes a file of common/\n"
-    "  canorb-idlc --check *.idl                      only says what is wrong\n";
+    "  canorb-idlc --check *.idl                      only says what is wrong\n"
+    "  canorb-idlc --compat v1/pump.idl v2/pump.idl   what do nodes with v1 make of v2?\n";
 
 }  // namespace
 
@@ -208,16 +264,25 @@ int main(int argc, char** argv) {
     };
     add_output("--check", Output::nothing, "only say what is wrong");
     add_output("--print-ids", Output::ids, "print the operation ids of each interface");
+    add_output("--print-hash", Output::hashes,
+               "print the structural hash of each interface: nodes with the same one agree");
+    add_output("--compat", Output::comparison,
+               "say what nodes that were built from the first FILE misread of the second");
     add_output("--dump-ast", Output::tree, "print what was read, as a tree");
     std::string form;
     what->add_option("--emit", form,
-                     "print in another form: deps, the rules for make that --depfile writes")
+                     "print it for other programs: json, all that it means, or deps, the rules\n"
+                     "for make that --depfile writes")
         ->type_name("FORM")
-        ->check(CLI::IsMember({"deps"}).description(""));
+        ->check(CLI::IsMember({"json", "deps"}).description(""));
     app.set_version_flag("--version", std::string{"canorb-idlc "} + CANORB_VERSION);
     try {
         app.parse(argc, argv);
+        if (form == "json") options.output = Output::json;
         if (form == "deps") options.output = Output::dependencies;
+        if (options.output == Output::comparison && options.files.size() != 2) {
+            throw CLI::ValidationError("--compat", "needs two files, the old and the new one");
+        }
         if (depfile->count() > 0 && options.output != Output::code) {
             throw CLI::ValidationError("--depfile", "there is nothing to depend on what was read");
         }

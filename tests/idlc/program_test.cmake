@@ -61,6 +61,12 @@ endif()
 # What else it can do.
 run(0 "^$" --check devices.idl types.idl)
 run(0 "    5  _set_ramp\n" --print-ids devices.idl)
+run(0 "^[0-9A-F]+ Devices::Motor\n" --print-hash devices.idl)
+run(0 "^{.*\"Devices::Motor\"|\"Motor\"" --emit json devices.idl)
+run(0 "breaks: 0" --compat devices.idl devices.idl)
+run(1 "breaks: [1-9]" --compat devices.idl types.idl)
+run(1 "there is no type 'Missing'" --compat devices.idl ../errors/names_unknown.idl)
+run(2 "--compat: needs two files" --compat devices.idl)
 run(0 "^module .*  interface Motor" --dump-ast devices.idl)
 run(0 "^gen/includes.hpp gen/includes.cpp: .*\n  includes.idl .*\n  types.idl\n$"
     --emit deps -o gen includes.idl)
