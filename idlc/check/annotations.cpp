@@ -22,6 +22,28 @@ constexpr Known known_annotations[] = {
     {"position", "a flag of a bitmask"},
 };
 
+/// Those of IDL 4.2 and DDS-XTypes that only describe: what is sent is the same with and without.
+constexpr std::string_view describing_annotations[] = {
+    "ami",
+    "autoid",
+    "data_representation",
+    "final",
+    "hashid",
+    "id",
+    "ignore_literal_names",
+    "key",
+    "max",
+    "min",
+    "must_understand",
+    "nested",
+    "range",
+    "service",
+    "topic",
+    "try_construct",
+    "unit",
+    "verbatim",
+};
+
 }  // namespace
 
 void Checker::check_annotations(const std::vector<ast::Annotation>& annotations,
@@ -42,6 +64,10 @@ void Checker::check_annotations(const std::vector<ast::Annotation>& annotations,
                          [&](const Known& one) { return one.name == name; });
         if (known != std::end(known_annotations)) {
             diagnostics_.error(where, '@' + name + " belongs before " + std::string{known->place});
+            continue;
+        }
+        if (std::find(std::begin(describing_annotations), std::end(describing_annotations), name) !=
+            std::end(describing_annotations)) {
             continue;
         }
         ast::ScopedName declared = annotation.name;

@@ -65,8 +65,15 @@ model::TypeKind basic(ast::TypeKind kind) {
     return To::named;
 }
 
+bool is_within_corba(const Scope& scope) {
+    for (const Scope* at = &scope; at != nullptr; at = at->parent()) {
+        if (at->kind() == Scope::Kind::module && at->name() == "CORBA") return true;
+    }
+    return false;
+}
+
 /// What a name stands for that nobody declared: IDL 4's integers, and what CORBA declares itself.
-std::optional<model::TypeKind> predefined(const ast::ScopedName& name) {
+std::optional<model::TypeKind> predefined(const ast::ScopedName& name, const Scope& scope) {
     constexpr std::pair<std::string_view, model::TypeKind> types[] = {
         {"int8", model::TypeKind::int8},
         {"uint8", model::TypeKind::uint8},
@@ -83,13 +90,15 @@ std::optional<model::TypeKind> predefined(const ast::ScopedName& name) {
     for (const auto& [known, kind] : types) {
         if (written == known || written == "::" + std::string{known}) return kind;
     }
+    if (written == "TypeCode" && is_within_corba(scope)) return model::TypeKind::type_code;
     return std::nullopt;
 }
 
 /// How many elements a value of the type has if it is an array, of arrays perhaps.
 std::uint64_t elements(const model::Type& type) {
     const model::Type& known = model::resolved(type);
-    return known.kind == model::TypeKind::array ? known.bound * elements(*known.element) : 1;
+    if (known.kind != model::TypeKind::array) return 1;
+    return known.bound * std::min(elements(*known.element), most_array_elements + 1);
 }
 
 bool is_constant_type(const model::Type& type) {
@@ -172,7 +181,7 @@ bool Checker::is_key(const model::Type& type) const {
 
 std::optional<model::Type> Checker::named_type(const ast::Type& written, Scope& scope) {
     model::Type type;
-    if (const auto kind = predefined(written.name)) {
+    if (const auto kind = predefined(written.name, scope)) {
         // A module CORBA of a file is without what the compiler knows itself.
         const bool qualified = written.name.parts.size() > 1;
         const Symbol* around = qualified && is_declared(scope, written.name)
@@ -217,12 +226,12 @@ std::optional<model::Type> Checker::array(model::Type element,
     for (auto size = dimensions.rbegin(); size != dimensions.rend(); ++size) {
         const std::optional<std::uint32_t> bound = this->bound(*size, scope);
         if (!bound) return std::nullopt;
-        const std::uint64_t inner = elements(element);
-        if (*bound > most_array_elements || *bound * inner > most_array_elements) {
-            diagnostics_.error(size->where, "an array of more than " +
-                                                std::to_string(most_array_elements) +
-                                                " elements is larger than any message");
-            return std::nullopt;
+        // The product of few large sizes can be larger than any integer.
+        const std::uint64_t inner = std::min(elements(element), most_array_elements + 1);
+        if (*bound * inner > most_array_elements) {
+            model_.obstacles.push_back({size->where, "an array of more than " +
+                                                         std::to_string(most_array_elements) +
+                                                         " elements is larger than any message"});
         }
         model::Type type;
         type.kind = model::TypeKind::array;
