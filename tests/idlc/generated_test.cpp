@@ -193,7 +193,7 @@ class Pump final : public Plant::LoggingPumpServant {
         return static_cast<std::int32_t>(listeners.size());
     }
     State cycle(State from, Info& info) override {
-        info.state = from;
+        info.now = from;
         return State::ON;
     }
     Plant::Pump self() override { return {}; }

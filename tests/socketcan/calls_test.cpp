@@ -66,7 +66,7 @@ TEST_P(Calls, ManyInBothDirectionsAtOnce) {
 class GaugeImpl final : public Measuring::GaugeServant {
   public:
     float value(std::uint16_t channel) override { return static_cast<float>(channel) + 0.25F; }
-    Measuring::Samples samples(const std::string& name, std::int32_t& offset) override {
+    Measuring::Samples taken(const std::string& name, std::int32_t& offset) override {
         if (name != "level") throw Measuring::NoSuchGauge{name};
         offset = -offset;
         return {1, 200, 30000};
@@ -84,10 +84,10 @@ TEST_P(Calls, ThroughGeneratedStubs) {
     const auto gauge = client.object_on(3).narrow<Measuring::Gauge>();
     EXPECT_EQ(gauge.value(1000), 1000.25F);
     std::int32_t offset = 70'000;
-    EXPECT_EQ(gauge.samples("level", offset), (Measuring::Samples{1, 200, 30000}));
+    EXPECT_EQ(gauge.taken("level", offset), (Measuring::Samples{1, 200, 30000}));
     EXPECT_EQ(offset, -70'000);
     try {
-        (void)gauge.samples("a name that takes several frames", offset);
+        (void)gauge.taken("a name that takes several frames", offset);
         FAIL();
     } catch (const Measuring::NoSuchGauge& exception) {
         EXPECT_EQ(exception.name, "a name that takes several frames");
