@@ -10,8 +10,10 @@
 namespace canorb::ccdr {
 namespace {
 
-/// What read_value() reads of type codes at most, in octets and again for each value.
-constexpr std::size_t highest_work = std::size_t{1} << 24;
+/// How many names and types in type codes read_value() reads at most, each as often as it is read:
+/// 128 for each octet of the longest message. That is a fraction of a
+/// second's work.
+constexpr std::size_t highest_work = std::size_t{1} << 23;
 
 constexpr std::string_view object_id = "IDL:omg.org/CORBA/Object:1.0";
 
@@ -247,15 +249,8 @@ class ValueReader {
             case TCKind::tk_recursion:
                 return read_recursion(code, up);
             case TCKind::tk_struct:
-            case TCKind::tk_except: {
-                skip_id_and_name(code);
-                const std::uint32_t members = read_unsigned(code);
-                for (std::uint32_t i = 0; i < members && in_.ok(); ++i) {
-                    code.string();
-                    read(code, &level);
-                }
-                return;
-            }
+            case TCKind::tk_except:
+                return read_struct(code, level);
             case TCKind::tk_union:
                 return read_union(code, level);
             case TCKind::tk_sequence:
@@ -264,29 +259,35 @@ class ValueReader {
             case TCKind::tk_alias:
                 skip_id_and_name(code);
                 return read(code, &level);
-            default:
-                read_leaf_value(read_leaf_type(code, level.kind));
+            default: {
+                const Leaf leaf = read_leaf(code, level.kind);
+                if (leaf.kind != TCKind::tk_enum || spend(leaf.size)) read_leaf_value(leaf);
+            }
         }
     }
 
   private:
+    /// False: it was too much.
     bool spend(std::size_t work) {
         if (work > work_left_) in_.fail();
         work_left_ -= std::min(work, work_left_);
         return in_.ok();
     }
 
-    Leaf read_leaf_type(Decoder& code, TCKind kind) {
-        const std::size_t before = code.remaining();
-        const Leaf leaf = read_leaf(code, kind);
-        spend(before - code.remaining());
-        return leaf;
-    }
-
     void skip_type_code(Decoder& code, const Level& level) {
         const std::size_t before = code.remaining();
         check_type_code(code, &level);
-        spend(before - code.remaining());
+        constexpr std::size_t fewest_of_name = fewest_octets<std::string>;
+        spend((before - code.remaining()) / fewest_of_name);
+    }
+
+    void read_struct(Decoder& code, const Level& level) {
+        skip_id_and_name(code);
+        const std::uint32_t members = read_unsigned(code);
+        for (std::uint32_t i = 0; i < members && spend(1); ++i) {
+            code.string();
+            read(code, &level);
+        }
     }
 
     void read_recursion(Decoder& code, const Level* up) {
@@ -335,7 +336,7 @@ class ValueReader {
         const std::uint64_t value = read_discriminator(in_, discriminator);
         bool found = false;
         Decoder default_case = code;
-        for (std::uint32_t i = 0; i < cases && in_.ok(); ++i) {
+        for (std::uint32_t i = 0; i < cases && spend(1); ++i) {
             const bool is_default = static_cast<std::int64_t>(i) == default_index;
             const std::uint64_t label = read_discriminator(code, discriminator);
             code.string();

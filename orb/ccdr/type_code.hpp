@@ -88,7 +88,8 @@ class TypeCode {
 /// "typecode 0F0100...", the octets in hex.
 template <OutputStream Stream>
 Stream& operator<<(Stream& out, const TypeCode& value) {
-    return print_octets(out << "typecode ", value.octets());
+    out << "typecode ";
+    return print_octets(out, value.octets());
 }
 
 }  // namespace canorb

@@ -58,4 +58,29 @@ std::size_t prefixes_accepted(std::string_view hex) {
     return accepted;
 }
 
+/// Decodes these octets with each of their bits inverted in turn, and also with each octet set to 0
+/// and to 0xFF. How many of the results do not encode to the octets that they were decoded from.
+template <typename T>
+std::size_t forgeries_changed(std::string_view golden) {
+    const std::vector<std::uint8_t> all = octets(golden);
+    std::size_t changed = 0;
+    const auto count = [&changed](const std::vector<std::uint8_t>& forged) {
+        const std::optional<T> value = decoded<T>(Bytes{forged});
+        if (value && encoded(*value) != hex(forged)) ++changed;
+    };
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        for (unsigned bit = 0; bit < 8; ++bit) {
+            std::vector<std::uint8_t> forged = all;
+            forged[i] ^= static_cast<std::uint8_t>(1U << bit);
+            count(forged);
+        }
+        for (const std::uint8_t octet : {std::uint8_t{0x00}, std::uint8_t{0xFF}}) {
+            std::vector<std::uint8_t> forged = all;
+            forged[i] = octet;
+            count(forged);
+        }
+    }
+    return changed;
+}
+
 }  // namespace canorb::test
