@@ -432,6 +432,11 @@ class Lexer {
             ++at_;
             return number(16, c == 'x' ? 2 : 4);
         }
+        if (c == 'x') {
+            diagnostics_.error(where, "this escape has no digits");
+            ++at_;
+            return '?';
+        }
         if (at_ == text_.size() || c == '\n') return '\\';  // there is no closing quote either
         diagnostics_.warning(
             where, is_word(c) ? std::string{"IDL does not define the escape '\\"} + c +

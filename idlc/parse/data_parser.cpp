@@ -318,6 +318,7 @@ void DataParser::union_case(std::vector<ast::UnionCase>& into) {
         label.where = current().where;
         if (take("case")) {
             label.value = expression();
+            if (is(",")) fail("each label of a case is written for itself: 'case 1: case 2:'");
             expect(":", "the label's value");
         } else {
             advance();

@@ -12,6 +12,9 @@ namespace {
 // Of the binary operators: * / and %.
 constexpr int tightest = 5;
 
+// The tree grows by each to the left: who walks it has a stack that ends.
+constexpr int most_operators = 1000;
+
 constexpr std::size_t most_fixed_digits = 31;
 
 /// Of a fixed-point number, without the zeros in front and behind.
@@ -66,20 +69,22 @@ std::optional<ExpressionParser::Binary> ExpressionParser::binary_operator() cons
     return std::nullopt;
 }
 
-ast::Expression ExpressionParser::expression(int precedence) {
-    const Level level{*this};
+ast::Expression ExpressionParser::expression() {
+    operators_ = 0;
+    return operation(0);
+}
+
+ast::Expression ExpressionParser::operation(int precedence) {
     ast::Expression left = unary();
-    // A chain grows the tree to the left: its length counts as depth for who walks the tree.
-    int chain = 0;
     while (const std::optional<Binary> binary = binary_operator()) {
         if (binary->precedence < precedence) break;
-        if (++chain > 4 * deepest) fail("too long an expression");
+        if (++operators_ > most_operators) fail("too long an expression");
         ast::Expression whole;
         whole.op = binary->op;
         whole.where = current().where;
         advance();
         whole.operands.push_back(std::move(left));
-        whole.operands.push_back(expression(binary->precedence + 1));
+        whole.operands.push_back(operation(binary->precedence + 1));
         left = std::move(whole);
     }
     return left;
@@ -95,7 +100,7 @@ ast::Expression ExpressionParser::unary() {
         result.operands.push_back(unary());
     } else if (take("(")) {
         const bool outer = std::exchange(in_template_, false);
-        result = expression();
+        result = operation(0);
         in_template_ = outer;
         expect(")", "the expression");
     } else if (current().kind == TokenKind::identifier || is("::")) {

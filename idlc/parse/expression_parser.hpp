@@ -14,7 +14,7 @@ class ExpressionParser : public TokenReader {
   protected:
     using TokenReader::TokenReader;
 
-    ast::Expression expression(int precedence = 0);
+    ast::Expression expression();
     /// One inside of < >, where a >> may close two of them.
     ast::Expression template_argument();
     std::vector<ast::Annotation> annotations();
@@ -31,6 +31,8 @@ class ExpressionParser : public TokenReader {
 
     std::optional<Binary> binary_operator() const;
     bool closes_two_angles() const;
+    /// Of operators that bind at least as strong.
+    ast::Expression operation(int precedence);
     ast::Expression unary();
     ast::Literal literal();
     ast::Literal text();
@@ -39,6 +41,8 @@ class ExpressionParser : public TokenReader {
     ast::FixedLiteral fixed(const Token& token);
     ast::Annotation annotation();
     ast::ScopedName annotation_name();
+
+    int operators_ = 0;  ///< of two operands, in the current expression
 };
 
 }  // namespace canorb::idlc::parse

@@ -365,8 +365,18 @@ class Parser : public DataParser {
         if (take(")")) return;
         do {
             operation.parameters.push_back(parameter());
-        } while (take(","));
+        } while (take(",") || take_wrong_comma());
         if (!take(")")) fail_expected("',' or ')' after the parameter");
+    }
+
+    /// A ; between parameters, which would end the operation.
+    bool take_wrong_comma() {
+        if (!is(";") || !(is(next(), "in") || is(next(), "out") || is(next(), "inout"))) {
+            return false;
+        }
+        error("between parameters there is ',', not ';'");
+        advance();
+        return true;
     }
 
     ast::Parameter parameter() {

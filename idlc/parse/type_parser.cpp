@@ -58,6 +58,7 @@ ast::Type TypeParser::type() {
         type.kind = basic_type();
     }
     reject_pointer_signs();
+    if (is("[")) fail("the size of an array stands behind its name");
     return type;
 }
 

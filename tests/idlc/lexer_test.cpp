@@ -187,6 +187,7 @@ TEST(LexerTest, RefusesLiterals) {
         {"L\"a\\u0b\" L\"\\u0000\"", "a string cannot contain a NUL\n"},
         {"'\\400'", "this escape is no octet\n"},
         {"\"\\u0041\"", "\\u is for wide literals: write L before the quote\n"},
+        {"\"\\x\"", "this escape has no digits\n"},
         {"\"\\q\"", "IDL does not define the escape '\\q', it is taken for 'q'\n"},
         {"L\"\\u\"", "IDL does not define the escape '\\u', it is taken for 'u'\n"},
         {"\"\\%\"", "IDL does not define this escape, its backslash is left out\n"},

@@ -330,6 +330,9 @@ TEST(ParserTest, RefusesTypes) {
          "1:9 a union says first what selects its member: 'switch (long)'\n"},
         {"union A switch (long) { long x; };", "1:25 expected 'case' or 'default', not 'long'\n"},
         {"union A switch (long) { case 1: long x, y; };", "1:39 a case has one member\n"},
+        {"union A switch (long) { case 1, 2: long x; };",
+         "1:31 each label of a case is written for itself: 'case 1: case 2:'\n"},
+        {"struct A { long[3] x; };", "1:16 the size of an array stands behind its name\n"},
         {"union A switch (long) { case 1: };", "1:33 a case has one member\n"},
         {"typedef fixed A;", "1:15 expected '<' after 'fixed', not 'A'\n"},
         {"const fixed<3, 1> a = 1d;",
@@ -395,6 +398,8 @@ TEST(ParserTest, RefusesOperationsAndAttributes) {
          "its type\n"},
         {"interface A { void f(in long x in long y); };",
          "1:32 expected ',' or ')' after the parameter, not 'in'\n"},
+        {"interface A { void f(in long x; out long y); };",
+         "1:31 between parameters there is ',', not ';'\n"},
     });
 }
 
@@ -489,6 +494,11 @@ TEST(ParserTest, SaysWhereAnUnclosedBraceIs) {
          "1:24 IDL declares operations and has no code for them: write ';' here\n"
          "1:26 expected '}' before the end of the file\n1:24 to close this '{'\n"},
     });
+}
+
+TEST(ParserTest, ReadsDeepNestingWithinReason) {
+    EXPECT_EQ(messages("const long a = " + std::string(50, '(') + '1' + std::string(50, ')') + ';'),
+              "");
 }
 
 TEST(ParserTest, SurvivesDeepNesting) {
