@@ -1,29 +1,20 @@
 #include "orb/ccdr/any.hpp"
 
+#include "orb/ccdr/format.hpp"
 #include "orb/ccdr/nesting.hpp"
 
 namespace canorb {
-namespace {
-
-/// The most octets that a value in a message has.
-constexpr std::size_t most_octets = 65538;
-
-}  // namespace
-
 void Any::assign(TypeCode type, EncodeValue encode_value, const void* value) {
     type_ = std::move(type);
     context_.reset();
-    value_.resize(64);
     ccdr::EncodeError error{};
-    for (;;) {
+    for (const std::size_t size : {std::size_t{64}, std::size_t{4096}, ccdr::largest_message}) {
+        value_.resize(size);
         ccdr::Encoder out{value_};
         encode_value(out, value);
+        value_.resize(out.size());
         error = out.error();
-        if (error != ccdr::EncodeError::buffer_full || value_.size() == most_octets) {
-            value_.resize(out.size());
-            break;
-        }
-        value_.resize(value_.size() == 64 ? 4096 : most_octets);
+        if (error != ccdr::EncodeError::buffer_full) break;
     }
     is_bad_ = error != ccdr::EncodeError::none;
     if (is_bad_) value_.clear();

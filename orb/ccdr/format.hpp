@@ -24,8 +24,11 @@ inline constexpr VariableForm variable_forms[] = {
 /// The most levels of values within values: of recursive types, and of any within any.
 inline constexpr unsigned highest_levels = 64;
 
-/// The most elements without octets in one message, as many as the largest message has octets.
-inline constexpr std::size_t highest_octetless = 65538;
+/// The octets of the largest message.
+inline constexpr std::size_t largest_message = 65538;
+
+/// The most elements without octets in one message.
+inline constexpr std::size_t highest_octetless = largest_message;
 
 /// The most levels of a type code.
 inline constexpr unsigned highest_type_code_levels = 16;

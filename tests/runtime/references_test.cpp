@@ -1,5 +1,7 @@
 // References: their strings, narrowing, nil, and those that outlive their Orb.
 
+#include <sstream>
+
 #include "tests/runtime/world.hpp"
 
 namespace canorb::test {
@@ -134,6 +136,39 @@ TEST_F(References, OutliveTheirOrb) {
     EXPECT_FALSE(sent);
     simulation.run_for(5s);
     EXPECT_EQ(servant.calls, 1);
+}
+
+TEST_F(References, InAnAnyOutliveTheOrbThatReceivedThem) {
+    Any received;
+    {
+        Orb gone{bus, node(6)};
+        TestServant keeper{{{0, [&](ServerCall& call) {
+                                 if (call.read(received)) call.reply();
+                             }}}};
+        gone.root_poa().activate_object_with_id(1, keeper);
+        Any any;
+        any <<= self;
+        std::vector<std::uint8_t> buffer(200);
+        ccdr::Encoder out{buffer};
+        encode(out, any);
+        at(client, 6, 1).invoke(0, out.octets());
+        ObjectRef there;
+        ASSERT_TRUE(received >>= there);
+        EXPECT_EQ(there, self);
+        there.invoke(0, {});
+        EXPECT_EQ(servant.calls, 1);
+    }
+    ObjectRef orphan;
+    ASSERT_TRUE(received >>= orphan);
+    EXPECT_EQ(orphan, self);
+    EXPECT_THAT(what<BAD_INV_ORDER>([&] { orphan.invoke(0, {}); }),
+                testing::HasSubstr("Orb of this reference is gone"));
+}
+
+TEST_F(References, Print) {
+    std::ostringstream out;
+    out << ObjectRef{} << ", " << self << ", " << group(client, 5) << ", " << at(client, 30, 7);
+    EXPECT_EQ(out.str(), "nil, node 3 object 1 IDL:Test/Lamp:1.0, group 5, node 30 object 7");
 }
 
 TEST_F(References, ActivationKeepsTheIndices) {
