@@ -314,7 +314,7 @@ class TypeCodeWriter {
 
 /// As string literals, each in a line of its own.
 std::string literals(std::string_view octets) {
-    constexpr std::size_t most_columns = line_width - 12;
+    constexpr std::size_t most_columns = line_width - 16;  // indentation, braces, quotes
     std::vector<std::string> lines{""};
     for (const char c : octets) {
         const auto octet = static_cast<unsigned char>(c);

@@ -29,13 +29,18 @@ std::size_t unlabelled_index(const model::Union& body) {
     return index;
 }
 
+/// A name for a parameter that is not the union's own.
+std::string parameter(const std::string& wanted, const model::Definition& definition) {
+    return definition.name == wanted ? wanted + '_' : wanted;
+}
+
 /// What the member is called in messages.
 std::string full_name(const model::Definition& definition, const std::string& member) {
     return '"' + model::scoped_name(definition) + "::" + member + '"';
 }
 
 constexpr std::string_view switch_piece = R"(
-switch (discriminator) {
+switch ($discriminator$) {
     $cases$
     default:
         return $unlabelled$;
@@ -43,7 +48,10 @@ switch (discriminator) {
 )";
 
 /// The statement that returns which alternative `discriminator` selects.
-std::string selection(const model::Union& body, const Names& names, const Context& context) {
+std::string selection(const model::Definition& definition, const Names& names,
+                      const Context& context) {
+    const model::Union& body = body_of(definition);
+    const std::string discriminator = parameter("discriminator", definition);
     const std::size_t unlabelled = unlabelled_index(body);
     std::string cases;
     // Compilers do not like a switch over a bool.
@@ -58,31 +66,38 @@ std::string selection(const model::Union& body, const Names& names, const Contex
         cases += "    return " + std::to_string(i) + ";\n";
     }
     if (model::resolved(body.discriminator).kind == model::TypeKind::boolean) {
-        return "return discriminator ? " + std::to_string(of_bool[1]) + " : " +
+        return "return " + discriminator + " ? " + std::to_string(of_bool[1]) + " : " +
                std::to_string(of_bool[0]) + ";\n";
     }
-    return fill(switch_piece, {{"cases", cases}, {"unlabelled", std::to_string(unlabelled)}});
+    return fill(switch_piece, {{"discriminator", discriminator},
+                               {"cases", cases},
+                               {"unlabelled", std::to_string(unlabelled)}});
 }
 
-// A reference to the member, the value itself of a scalar.
 constexpr std::string_view member_piece = R"(
 $comment$
-void $name$($type$ value) {
-    _members.emplace<$index$>($value$);
+void $name$($type$ $value$) {
+    _members.emplace<$index$>($moved$);
     _discriminator = $label$;
 }
 $labelled$
-$read$ $name$() const { return canorb::union_member<$index$>(_members, $full_name$); }
-$type$& $name$() { return canorb::union_member<$index$>(_members, $full_name$); }
+$readers$
 )";
 
 constexpr std::string_view labelled_piece = R"(
-void $name$($type$ value, $discriminator$ discriminator) {
-    if (_selected_by(discriminator) != $index$) canorb::throw_not_selected($full_name$);
-    _members.emplace<$index$>($value$);
-    _discriminator = discriminator;
+void $name$($type$ $value$, $discriminator_type$ $discriminator$) {
+    canorb::check_selected(_selected_by($discriminator$) == $index$, $full_name$);
+    _members.emplace<$index$>($moved$);
+    _discriminator = $discriminator$;
 }
 )";
+
+/// A function that returns the member.
+std::string reader(const std::string& head, const std::string& value) {
+    const std::string one_line = head + " { return " + value + "; }\n";
+    if (one_line.size() + 4 <= line_width) return one_line;
+    return head + " {\n    return " + value + ";\n}\n";
+}
 
 std::string member_functions(const model::Definition& definition, std::size_t index,
                              const Names& names, const Context& context) {
@@ -91,7 +106,8 @@ std::string member_functions(const model::Definition& definition, std::size_t in
     const std::string name = identifier(one.member.name);
     const std::string type = names.type(one.member.type, context);
     const bool is_scalar = model::is_scalar(one.member.type);
-    const std::string value = is_scalar ? "value" : "std::move(value)";
+    const std::string value = parameter("value", definition);
+    const std::string moved = is_scalar ? value : "std::move(" + value + ')';
     const model::Value& label = one.labels.empty() ? *body.unlabelled : one.labels.front();
     const std::string of_index = std::to_string(index);
     const std::string full = full_name(definition, one.member.name);
@@ -100,20 +116,25 @@ std::string member_functions(const model::Definition& definition, std::size_t in
         has_choice
             ? fill(labelled_piece, {{"name", name},
                                     {"type", type},
-                                    {"discriminator", names.type(body.discriminator, context)},
+                                    {"discriminator_type", names.type(body.discriminator, context)},
+                                    {"discriminator", parameter("discriminator", definition)},
                                     {"index", of_index},
                                     {"full_name", full},
-                                    {"value", value}})
+                                    {"value", value},
+                                    {"moved", moved}})
             : "";
+    const std::string member = "canorb::union_member<" + of_index + ">(_members, " + full + ')';
+    const std::string read = is_scalar ? type : "const " + type + '&';
     return fill(member_piece, {{"comment", comment(one.member.comment)},
                                {"name", name},
                                {"type", type},
                                {"index", of_index},
                                {"value", value},
+                               {"moved", moved},
                                {"label", names.value(label, body.discriminator, context)},
                                {"labelled", labelled},
-                               {"read", is_scalar ? type : "const " + type + '&'},
-                               {"full_name", full}});
+                               {"readers", reader(read + ' ' + name + "() const", member) +
+                                               reader(type + "& " + name + "()", member)}});
 }
 
 constexpr std::string_view empty_piece = R"(
@@ -150,11 +171,12 @@ constexpr std::string_view union_piece = R"(
 class $head$ {
   public:
     $types$
-    $discriminator$ _d() const { return _discriminator; }
+    $type$ _d() const { return _discriminator; }
     /// To another value that selects the same member; canorb::BAD_PARAM for all others.
-    void _d($discriminator$ discriminator) {
-        if (_selected_by(discriminator) != _members.index()) canorb::throw_not_selected($d_name$);
-        _discriminator = discriminator;
+    void _d($type$ $discriminator$) {
+        canorb::check_selected(_selected_by($discriminator$) == _members.index(),
+                               $d_name$);
+        _discriminator = $discriminator$;
     }
 
     $members$
@@ -162,11 +184,11 @@ class $head$ {
     $friends$
 
   private:
-    static constexpr std::size_t _selected_by($discriminator$ discriminator) {
+    static constexpr std::size_t _selected_by($type$ $discriminator$) {
         $selection$
     }
 
-    $discriminator$ _discriminator = $first$;
+    $type$ _discriminator = $first$;
     $storage$
 };
 )";
@@ -178,7 +200,7 @@ std::string storage(const model::Union& body, const Names& names, const Context&
     }
     if (can_be_empty(body)) types.emplace_back("std::monostate");
     const std::string initial = initial_value(body.cases.front().member, names, context);
-    return "std::variant<" + folded(types, 17, std::string(13, ' ')) + "> _members" +
+    return "std::variant<" + folded(types, 32, std::string(13, ' ')) + "> _members" +
            (initial.empty() ? "" : "{std::in_place_index<0>, " + initial + '}') + ';';
 }
 
@@ -225,11 +247,12 @@ std::string union_declaration(const model::Definition& definition, const Names& 
     return fill(union_piece, {{"head", name},
                               {"name", names.own(definition)},
                               {"types", nested_declarations(body.definitions, names)},
-                              {"discriminator", names.type(body.discriminator, context)},
+                              {"type", names.type(body.discriminator, context)},
+                              {"discriminator", parameter("discriminator", definition)},
                               {"d_name", full_name(definition, "_d")},
                               {"members", members},
                               {"friends", friends(definition, names, context)},
-                              {"selection", selection(body, names, context)},
+                              {"selection", selection(definition, names, context)},
                               {"first", names.value(label, body.discriminator, context)},
                               {"storage", storage(body, names, context)}});
 }

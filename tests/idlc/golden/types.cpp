@@ -48,7 +48,7 @@ void encode(canorb::ccdr::Encoder& out, const Scalars& value) {
     encode(out, value.u64);
     encode(out, value.f);
     encode(out, value.d);
-    encode(out, value.colour);
+    encode(out, value.shade);
 }
 
 void decode(canorb::ccdr::Decoder& in, Scalars& value) {
@@ -71,14 +71,14 @@ void decode(canorb::ccdr::Decoder& in, Scalars& value) {
     decode(in, value.u64);
     decode(in, value.f);
     decode(in, value.d);
-    decode(in, value.colour);
+    decode(in, value.shade);
 }
 
 void encode(canorb::ccdr::Encoder& out, const Compounds& value) {
-    encode(out, value.text);
+    encode(out, value.words);
     encode(out, value.fits);
     encode(out, canorb::ccdr::bounded<256>(value.does_not));
-    encode(out, value.name);
+    encode(out, value.called);
     encode(out, canorb::ccdr::bounded<300>(value.long_text));
     encode(out, value.octets);
     encode(out, value.few_octets);
@@ -87,21 +87,21 @@ void encode(canorb::ccdr::Encoder& out, const Compounds& value) {
     encode(out, canorb::ccdr::bounded<3>(value.texts));
     encode(out, canorb::ccdr::bounded<10, 300>(value.long_texts));
     encode(out, value.names);
-    encode(out, value.samples);
+    encode(out, value.measured);
     encode(out, value.list);
-    encode(out, value.matrix);
+    encode(out, value.cells);
     encode(out, canorb::ccdr::bounded<300>(value.texts_in_array));
     encode(out, value.first);
     encode(out, value.second);
-    encode(out, value.packets);
+    encode(out, value.sent);
     encode(out, value.flags);
 }
 
 void decode(canorb::ccdr::Decoder& in, Compounds& value) {
-    decode(in, value.text);
+    decode(in, value.words);
     decode(in, value.fits);
     decode(in, canorb::ccdr::bounded<256>(value.does_not));
-    decode(in, value.name);
+    decode(in, value.called);
     decode(in, canorb::ccdr::bounded<300>(value.long_text));
     decode(in, value.octets);
     decode(in, value.few_octets);
@@ -110,13 +110,13 @@ void decode(canorb::ccdr::Decoder& in, Compounds& value) {
     decode(in, canorb::ccdr::bounded<3>(value.texts));
     decode(in, canorb::ccdr::bounded<10, 300>(value.long_texts));
     decode(in, value.names);
-    decode(in, value.samples);
+    decode(in, value.measured);
     decode(in, value.list);
-    decode(in, value.matrix);
+    decode(in, value.cells);
     decode(in, canorb::ccdr::bounded<300>(value.texts_in_array));
     decode(in, value.first);
     decode(in, value.second);
-    decode(in, value.packets);
+    decode(in, value.sent);
     decode(in, value.flags);
 }
 
@@ -135,23 +135,23 @@ void encode(canorb::ccdr::Encoder&, const Stopped&) {}
 void decode(canorb::ccdr::Decoder&, Stopped&) {}
 
 void encode(canorb::ccdr::Encoder& out, const Wrapped& value) {
-    encode(out, value.name);
+    encode(out, value.called);
 }
 
 void decode(canorb::ccdr::Decoder& in, Wrapped& value) {
-    decode(in, value.name);
+    decode(in, value.called);
 }
 
 namespace Inner {
 
 void encode(canorb::ccdr::Encoder& out, const Uses& value) {
-    encode(out, value.colour);
+    encode(out, value.shade);
     encode(out, value.global);
     encode(out, value.name);
 }
 
 void decode(canorb::ccdr::Decoder& in, Uses& value) {
-    decode(in, value.colour);
+    decode(in, value.shade);
     decode(in, value.global);
     decode(in, value.name);
 }

@@ -26,6 +26,14 @@ inline constexpr std::string_view greeting = "say \"hello\"\1771";  // types.idl
 enum class Colour : std::uint32_t { RED, GREEN, BLUE };  // types.idl:19
 void encode(canorb::ccdr::Encoder& out, Colour value);
 void decode(canorb::ccdr::Decoder& in, Colour& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, Colour value) {
+    return canorb::print_enumerator(out, value, {{Colour::RED, "RED"},
+        {Colour::GREEN, "GREEN"}, {Colour::BLUE, "BLUE"}});
+}
+constexpr std::string_view type_code_of(const Colour*) {
+    return {"\021\025IDL:Types/Colour:1.0\000\001\000\003\001\000\001\000\001\000", 32};
+}
 
 // types.idl:21
 /// How a shape is drawn.
@@ -39,6 +47,14 @@ enum class Style : std::uint32_t {
 };
 void encode(canorb::ccdr::Encoder& out, Style value);
 void decode(canorb::ccdr::Decoder& in, Style& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, Style value) {
+    return canorb::print_enumerator(out, value, {{Style::NONE, "NONE"},
+        {Style::OUTLINE, "OUTLINE"}, {Style::FILLED, "FILLED"}});
+}
+constexpr std::string_view type_code_of(const Style*) {
+    return {"\021\024IDL:Types/Style:1.0\000\001\000\003\001\000\001\000\001\000", 31};
+}
 
 inline constexpr Style usual = Style::OUTLINE;  // types.idl:29
 using Paint = Colour;  // types.idl:30
@@ -65,12 +81,27 @@ struct Scalars {
     std::uint64_t u64{};
     float f{};
     double d{};
-    Colour colour{};
+    Colour shade{};
 
     friend bool operator==(const Scalars&, const Scalars&) = default;
 };
 void encode(canorb::ccdr::Encoder& out, const Scalars& value);
 void decode(canorb::ccdr::Decoder& in, Scalars& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const Scalars& value) {
+    return canorb::print_members(out, "b", value.b, "c", value.c, "o", value.o,
+        "i8", value.i8, "u8", value.u8, "s", value.s, "i16", value.i16, "us", value.us,
+        "u16", value.u16, "l", value.l, "i32", value.i32, "ul", value.ul, "u32", value.u32,
+        "ll", value.ll, "i64", value.i64, "ull", value.ull, "u64", value.u64, "f", value.f,
+        "d", value.d, "shade", value.shade);
+}
+constexpr std::string_view type_code_of(const Scalars*) {
+    return {"\017\026IDL:Types/Scalars:1.0\000\001\000\024\001\000\010\001\000\011\001\000"
+        "\012\001\000\012\001\000\012\001\000\002\001\000\002\001\000\004\001\000\004\001"
+        "\000\003\001\000\003\001\000\005\001\000\005\001\000\027\001\000\027\001\000\030"
+        "\001\000\030\001\000\006\001\000\007\001\000\021\025IDL:Types/Colour:1.0\000\001"
+        "\000\003\001\000\001\000\001\000", 118};
+}
 
 using Name = canorb::BoundedString<16>;  // types.idl:56
 using Text = std::string;  // types.idl:57
@@ -82,10 +113,10 @@ using Packets = std::vector<canorb::BoundedVector<std::uint8_t, 4>>;  // types.i
 // types.idl:64
 /// Everything that is no scalar.
 struct Compounds {
-    std::string text;
+    std::string words;
     canorb::BoundedString<255> fits;
     std::string does_not;
-    Name name;
+    Name called;
     Text long_text;
     std::vector<std::uint8_t> octets;
     canorb::BoundedVector<std::uint8_t, 256> few_octets;
@@ -94,19 +125,52 @@ struct Compounds {
     std::vector<std::string> texts;
     std::vector<Text> long_texts;
     std::vector<Name> names;
-    Samples samples;
+    Samples measured;
     ScalarList list;
-    Matrix matrix{};
+    Matrix cells{};
     std::array<Text, 2> texts_in_array{};
     Scalars first;
     std::array<Scalars, 3> second{};
-    Packets packets;
+    Packets sent;
     std::vector<bool> flags;
 
     friend bool operator==(const Compounds&, const Compounds&) = default;
 };
 void encode(canorb::ccdr::Encoder& out, const Compounds& value);
 void decode(canorb::ccdr::Decoder& in, Compounds& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const Compounds& value) {
+    return canorb::print_members(out, "words", value.words, "fits", value.fits,
+        "does_not", value.does_not, "called", value.called, "long_text", value.long_text,
+        "octets", value.octets, "few_octets", value.few_octets,
+        "many_octets", value.many_octets, "few_colours", value.few_colours,
+        "texts", value.texts, "long_texts", value.long_texts, "names", value.names,
+        "measured", value.measured, "list", value.list, "cells", value.cells,
+        "texts_in_array", value.texts_in_array, "first", value.first, "second", value.second,
+        "sent", value.sent, "flags", value.flags);
+}
+constexpr std::string_view type_code_of(const Compounds*) {
+    return {"\017\030IDL:Types/Compounds:1.0\000\001\000\024\001\000\022\000\001\000\022\200"
+        "\377\001\000\022\201\000\001\000\022\020\001\000\022\201,\001\000\023\012\000"
+        "\001\000\023\012\201\000\001\000\023\012\201\001\001\000\023\021\025IDL:Types/Co"
+        "lour:1.0\000\001\000\003\001\000\001\000\001\000@\001\000\023\022\000\003\001"
+        "\000\023\022\201,\012\001\000\023\022\020\000\001\000\023\004\010\001\000\023"
+        "\017\026IDL:Types/Scalars:1.0\000\001\000\024\001\000\010\001\000\011\001\000"
+        "\012\001\000\012\001\000\012\001\000\002\001\000\002\001\000\004\001\000\004\001"
+        "\000\003\001\000\003\001\000\005\001\000\005\001\000\027\001\000\027\001\000\030"
+        "\001\000\030\001\000\006\001\000\007\001\000\021\025IDL:Types/Colour:1.0\000\001"
+        "\000\003\001\000\001\000\001\000\000\001\000\024\024\003\004\002\001\000\024\022"
+        "\201,\002\001\000\017\026IDL:Types/Scalars:1.0\000\001\000\024\001\000\010\001"
+        "\000\011\001\000\012\001\000\012\001\000\012\001\000\002\001\000\002\001\000\004"
+        "\001\000\004\001\000\003\001\000\003\001\000\005\001\000\005\001\000\027\001\000"
+        "\027\001\000\030\001\000\030\001\000\006\001\000\007\001\000\021\025IDL:Types/Co"
+        "lour:1.0\000\001\000\003\001\000\001\000\001\000\001\000\024\017\026IDL:Types/Sc"
+        "alars:1.0\000\001\000\024\001\000\010\001\000\011\001\000\012\001\000\012\001"
+        "\000\012\001\000\002\001\000\002\001\000\004\001\000\004\001\000\003\001\000\003"
+        "\001\000\005\001\000\005\001\000\027\001\000\027\001\000\030\001\000\030\001\000"
+        "\006\001\000\007\001\000\021\025IDL:Types/Colour:1.0\000\001\000\003\001\000\001"
+        "\000\001\000\003\001\000\023\023\012\004\000\001\000\023\010\000", 519};
+}
 
 // types.idl:86
 class Failed final : public canorb::UserException {
@@ -124,6 +188,13 @@ class Failed final : public canorb::UserException {
 };
 void encode(canorb::ccdr::Encoder& out, const Failed& value);
 void decode(canorb::ccdr::Decoder& in, Failed& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const Failed& value) {
+    return canorb::print_members(out, "reason", value.reason, "code", value.code);
+}
+constexpr std::string_view type_code_of(const Failed*) {
+    return {"\026\025IDL:Types/Failed:1.0\000\001\000\002\001\000\022\000\001\000\003", 33};
+}
 
 // types.idl:91
 class Stopped final : public canorb::UserException {
@@ -134,6 +205,13 @@ class Stopped final : public canorb::UserException {
 };
 void encode(canorb::ccdr::Encoder& out, const Stopped& value);
 void decode(canorb::ccdr::Decoder& in, Stopped& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const Stopped&) {
+    return canorb::print_members(out);
+}
+constexpr std::string_view type_code_of(const Stopped*) {
+    return {"\026\026IDL:Types/Stopped:1.0\000\001\000\000", 27};
+}
 
 // types.idl:92
 class Wrapped final : public canorb::UserException {
@@ -141,20 +219,27 @@ class Wrapped final : public canorb::UserException {
     static constexpr std::string_view repository_id = "IDL:Types/Wrapped:1.0";
 
     Wrapped() = default;
-    explicit Wrapped(Name name_value) : name(std::move(name_value)) {}
+    explicit Wrapped(Name called_value) : called(std::move(called_value)) {}
     std::string_view _repository_id() const noexcept override { return repository_id; }
 
-    Name name;
+    Name called;
 };
 void encode(canorb::ccdr::Encoder& out, const Wrapped& value);
 void decode(canorb::ccdr::Decoder& in, Wrapped& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const Wrapped& value) {
+    return canorb::print_members(out, "called", value.called);
+}
+constexpr std::string_view type_code_of(const Wrapped*) {
+    return {"\026\026IDL:Types/Wrapped:1.0\000\001\000\001\001\000\022\020", 31};
+}
 
 namespace Inner {
 
 // types.idl:98
 // Types of the module around are found.
 struct Uses {
-    Colour colour{};
+    Colour shade{};
     at_file_scope global{};
     Name name;
 
@@ -162,12 +247,17 @@ struct Uses {
 };
 void encode(canorb::ccdr::Encoder& out, const Uses& value);
 void decode(canorb::ccdr::Decoder& in, Uses& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const Uses& value) {
+    return canorb::print_members(out, "shade", value.shade, "global", value.global,
+        "name", value.name);
+}
+constexpr std::string_view type_code_of(const Uses*) {
+    return {"\017\031IDL:Types/Inner/Uses:1.0\000\001\000\003\001\000\021\025IDL:Types/Colour"
+        ":1.0\000\001\000\003\001\000\001\000\001\000\001\000\003\001\000\022\020", 71};
+}
 
 }  // namespace Inner
-
-}  // namespace Types
-
-namespace Types {
 
 using Later = Inner::Uses;  // types.idl:108
 
