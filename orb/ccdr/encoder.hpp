@@ -13,6 +13,8 @@
 
 namespace canorb::ccdr {
 
+struct DecodeContext;
+
 enum class EncodeError : std::uint8_t {
     none,
     buffer_full,  ///< the message is longer than the buffer
@@ -53,6 +55,13 @@ class Encoder {
     /// Length with the final 0, code units, 0. A 0 inside fails.
     void wide_string(std::u16string_view value);
 
+    /// What an object reference that is written belongs to, and with it the octets: an any must
+    /// read them again. Null changes nothing.
+    void belongs_to(const DecodeContext* context) {
+        if (context != nullptr) context_ = context;
+    }
+    const DecodeContext* context() const { return context_; }
+
     /// What Nesting calls.
     bool enter();
     void leave() { --levels_; }
@@ -65,6 +74,7 @@ class Encoder {
     MutableBytes buffer_;
     std::size_t size_ = 0;
     std::size_t octetless_ = 0;  ///< elements without octets so far
+    const DecodeContext* context_ = nullptr;
     unsigned levels_ = 0;
     EncodeError error_ = EncodeError::none;
 };

@@ -123,6 +123,7 @@ bool operator==(const ObjectRef& a, const ObjectRef& b) {
 
 void encode(ccdr::Encoder& out, const ObjectRef& value) {
     core::encode(out, *value.to_);
+    if (value.orb_) out.belongs_to(value.orb_->decode_context());
 }
 
 void decode(ccdr::Decoder& in, ObjectRef& value) {

@@ -212,6 +212,13 @@ TEST(Any, InAnyWithinOtherLevelsIsLimitedToo) {
     EXPECT_EQ(out.error(), ccdr::EncodeError::bad_value);
 }
 
+TEST(Any, MayBePutIntoItself) {
+    Any any;
+    any <<= true;
+    any <<= any;
+    EXPECT_EQ(encoded(any), "0B0801");
+}
+
 TEST(Any, KeepsTheContextOfItsReferences) {
     struct Context final : ccdr::DecodeContext, std::enable_shared_from_this<Context> {
         std::shared_ptr<const DecodeContext> shared() const override { return shared_from_this(); }
@@ -225,6 +232,8 @@ TEST(Any, KeepsTheContextOfItsReferences) {
     EXPECT_EQ(any.context(), context.get());
     context.reset();
     EXPECT_FALSE(watched.expired()) << "it may be needed when the value is taken";
+    any <<= any;
+    EXPECT_FALSE(watched.expired()) << "still, though deeper inside";
     any <<= true;
     EXPECT_TRUE(watched.expired());
 }

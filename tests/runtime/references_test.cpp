@@ -165,6 +165,15 @@ TEST_F(References, InAnAnyOutliveTheOrbThatReceivedThem) {
                 testing::HasSubstr("Orb of this reference is gone"));
 }
 
+TEST_F(References, ComeOutOfAnAnyAsTheyWentIn) {
+    Any any;
+    any <<= std::vector{at(client, 3, 1)};
+    std::vector<ObjectRef> taken;
+    ASSERT_TRUE(any >>= taken);
+    taken.at(0).invoke(0, {});
+    EXPECT_EQ(servant.calls, 1);
+}
+
 TEST_F(References, Print) {
     std::ostringstream out;
     out << ObjectRef{} << ", " << self << ", " << group(client, 5) << ", " << at(client, 30, 7);
