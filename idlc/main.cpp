@@ -147,10 +147,12 @@ bool write_code(const std::string& file, const model::Model& model, const Option
     return write(names[0], code.header) && write(names[1], code.source);
 }
 
-/// What the file means; nothing where it has errors, which are then told.
-std::optional<model::Model> compile_file(const Source& source) {
+/// What the file means; nothing where it has errors, which are then told. `obstacles`: what an
+/// obstacle to the code for it is.
+std::optional<model::Model> compile_file(const Source& source, Severity obstacles) {
     Diagnostics diagnostics;
     model::Model model = compile(source, diagnostics);
+    if (!diagnostics.failed()) report_obstacles(model, obstacles, diagnostics);
     std::cerr << format(diagnostics, source);
     if (diagnostics.failed()) return std::nullopt;
     return model;
@@ -175,7 +177,8 @@ bool compare_files(const Options& options) {
     for (const std::string& file : options.files) {
         sources.push_back(load(file, options));
         if (sources.back() == nullptr) continue;
-        if (auto model = compile_file(*sources.back())) models.push_back(*std::move(model));
+        if (auto model = compile_file(*sources.back(), Severity::error))
+            models.push_back(*std::move(model));
     }
     if (models.size() != 2) return false;
     const auto findings = compat::compare(models[0], models[1]);
@@ -197,7 +200,8 @@ bool process(const std::string& file, const Options& options, std::string& rules
         std::cerr << format(diagnostics, *source);
         return !diagnostics.failed();
     }
-    const auto model = compile_file(*source);
+    const bool check_only = options.output == Output::nothing;
+    const auto model = compile_file(*source, check_only ? Severity::warning : Severity::error);
     if (!model) return false;
     if (options.output == Output::ids) std::cout << model::operation_table(*model);
     if (options.output == Output::hashes) std::cout << hash_table(*model);

@@ -10,6 +10,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <filesystem>
+#include <fstream>
 #include <memory>
 #include <string_view>
 
@@ -41,7 +43,44 @@ std::string content(std::FILE* file) {
     return text;
 }
 
-Words arguments(const std::string& file, const PreprocessorOptions& options) {
+/// A directory with the file that CORBA has include for the types of module CORBA. It is empty:
+/// the compiler knows them.
+class OwnFiles {
+  public:
+    OwnFiles() {
+        std::error_code error;
+        std::string name = std::filesystem::temp_directory_path(error) / "canorb-idlc-XXXXXX";
+        if (error || mkdtemp(name.data()) == nullptr) return;
+        directory_ = name;
+        std::ofstream{file()};
+    }
+    ~OwnFiles() {
+        std::error_code ignored;
+        if (!directory_.empty()) std::filesystem::remove_all(directory_, ignored);
+    }
+    OwnFiles(const OwnFiles&) = delete;
+    OwnFiles& operator=(const OwnFiles&) = delete;
+
+    /// Empty: it could not be made.
+    const std::string& directory() const { return directory_; }
+
+    /// In linemarkers the file has a name that is no file's.
+    void rename_in(std::string& text) const {
+        if (directory_.empty()) return;
+        const std::string from = '"' + file() + '"';
+        for (std::size_t at = 0; (at = text.find(from, at)) != std::string::npos;) {
+            text.replace(at, from.size(), "\"<orb.idl>\"");
+        }
+    }
+
+  private:
+    std::string file() const { return directory_ + "/orb.idl"; }
+
+    std::string directory_;
+};
+
+Words arguments(const std::string& file, const PreprocessorOptions& options,
+                const OwnFiles& own_files) {
     // -undef: `linux` and `unix` are good names in IDL. -dI: keeps the #include lines, which say
     // how a file is spelled. -ftabstop: columns in its messages count a tab as one.
     Words words{"-x", "c", "-C", "-undef", "-nostdinc", "-dI", "-ftabstop=1"};
@@ -52,6 +91,10 @@ Words arguments(const std::string& file, const PreprocessorOptions& options) {
     for (const std::string& macro : options.macros) {
         words.push_back("-D");
         words.push_back(macro);
+    }
+    if (!own_files.directory().empty()) {
+        words.push_back("-idirafter");
+        words.push_back(own_files.directory());
     }
     // A file called -x is a file.
     words.push_back(file.starts_with('-') ? "./" + file : file);
@@ -113,9 +156,10 @@ Preprocessed preprocess(const std::string& file, const PreprocessorOptions& opti
             std::string{"cannot make a temporary file: "} + std::strerror(errno) + '\n';
         return result;
     }
+    const OwnFiles own_files;
     int code = -ENOENT;
     for (Words words : programs) {
-        const Words more = arguments(file, options);
+        const Words more = arguments(file, options, own_files);
         words.insert(words.end(), more.begin(), more.end());
         code = run(std::move(words), output.get(), errors.get());
         if (code != -ENOENT) break;
@@ -127,6 +171,7 @@ Preprocessed preprocess(const std::string& file, const PreprocessorOptions& opti
     }
     result.ok = code == 0;
     result.text = content(output.get());
+    own_files.rename_in(result.text);
     result.message = preprocessor_messages(content(errors.get()), options.include_directories);
     if (!result.ok && result.message.empty()) {
         result.message = file + ": the C preprocessor failed, and does not say why\n";

@@ -159,6 +159,9 @@ bool Source::take_directive(std::size_t begin, std::size_t end) {
     if (auto marker = linemarker(line)) {
         const auto next_line = static_cast<std::uint32_t>(std::min(end + 1, text_.size()));
         if (marker->enters) open_includes_.push_back(last_include_);
+        // Nothing is generated for <orb.idl>.
+        const bool from_main = segments_.back().file == 0 && !includes_.empty();
+        if (marker->enters && from_main && marker->file.starts_with('<')) includes_.pop_back();
         if (marker->returns && !open_includes_.empty()) open_includes_.pop_back();
         segments_.push_back(
             {next_line, file_index(marker->file), marker->line,

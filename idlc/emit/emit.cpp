@@ -119,7 +119,10 @@ std::string base_name(const std::string& path) {
 /// `#include "other.hpp"` for each "other.idl" that the main file includes.
 std::string included_headers(const model::Model& model) {
     std::string text;
-    for (const std::string& file : model.includes) {
+    for (const std::string& spelled : model.includes) {
+        // The generated files do not lie as the IDL files do: the name is what they share.
+        const bool elsewhere = spelled.starts_with('/') || spelled.starts_with("../");
+        const std::string file = elsewhere ? base_name(spelled) : spelled;
         const std::size_t dot = file.rfind('.');
         if (dot == std::string::npos || file.substr(dot) != ".idl") continue;
         text += "#include \"" + file.substr(0, dot) + ".hpp\"\n";

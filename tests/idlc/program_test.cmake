@@ -61,9 +61,9 @@ endif()
 # What else it can do.
 run(0 "^$" --check devices.idl types.idl)
 run(0 "    5  _set_ramp\n" --print-ids devices.idl)
-run(0 "^[0-9A-F]+ Devices::Motor\n" --print-hash devices.idl)
+run(0 "\n[0-9A-F]+ Devices::Motor\n$" --print-hash devices.idl)
 run(0 "^{.*\"Devices::Motor\"|\"Motor\"" --emit json devices.idl)
-run(0 "breaks: 0" --compat devices.idl devices.idl)
+run(0 "nothing differs" --compat devices.idl devices.idl)
 run(1 "breaks: [1-9]" --compat devices.idl types.idl)
 run(1 "there is no type 'Missing'" --compat devices.idl ../errors/names_unknown.idl)
 run(2 "--compat: needs two files" --compat devices.idl)
@@ -80,6 +80,10 @@ foreach(name made/includes.hpp made/includes.cpp " includes.idl" " devices.idl" 
         message(SEND_ERROR "the depfile does not name '${name}':\n${dependencies}")
     endif()
 endforeach()
+
+# What is good IDL and has no code: a warning of --check, else an error.
+run(0 ": warning: no code can be generated: " --check ../errors/operation_ids_clash.idl)
+run(1 ": error: the bases of " --print-ids ../errors/operation_ids_clash.idl)
 
 # What it cannot include, in words of its own: where it looked, and who asked for it.
 set(directory "${WORK}/with spaces $ and #")
@@ -137,3 +141,14 @@ file(WRITE "${directory}/a file.idl" "#ifndef A\n#define A\ntypedef long A1;\n#e
 run(0 "^[.]/a\\\\ file.hpp ./a\\\\ file.cpp: [\\]\n  a\\\\ file.idl\n$" --emit deps "a file.idl")
 run(0 "^$" -o "out put" --depfile "out $#.d" "a file.idl")
 same("${directory}/out $#.d" "out\\ put/a\\ file.hpp out\\ put/a\\ file.cpp: \\\n  a\\ file.idl\n" "depfile")
+
+# CORBA's own file is there without being a file, unless there is one.
+file(WRITE "${directory}/orb_user.idl" "#include <orb.idl>\nstruct S { CORBA::TypeCode type; };\n")
+run(0 "^x/orb_user.hpp x/orb_user.cpp: [\\]\n  orb_user.idl\n$" --emit deps -o x orb_user.idl)
+run(0 "^$" -o "${WORK}/orb" orb_user.idl)
+file(READ "${WORK}/orb/orb_user.hpp" generated)
+if(generated MATCHES "orb.hpp\"")
+    message(SEND_ERROR "what is generated includes orb.hpp:\n${generated}")
+endif()
+file(WRITE "${directory}/inc/orb.idl" "typedef long OfTheUser;\n")
+run(0 "  inc/orb.idl\n$" --emit deps -I inc orb_user.idl)
