@@ -1,4 +1,5 @@
-// Whole files: what the compiler says of wrong ones, and what it generates for right ones.
+// Whole files: what the compiler says of wrong ones, how it reads right ones, and what it generates
+// for them.
 
 #include <gtest/gtest.h>
 
@@ -6,6 +7,8 @@
 #include <string>
 
 #include "idlc/emit/emit.hpp"
+#include "idlc/lexer.hpp"
+#include "idlc/parse/parser.hpp"
 #include "tests/idlc/support.hpp"
 
 namespace canorb::idlc::test {
@@ -38,6 +41,27 @@ TEST_P(ErrorsTest, SaysWhatIsExpected) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Idl, ErrorsTest, testing::ValuesIn(idl_files("errors")), name_of);
+
+class AcceptedTest : public FileTest {
+  protected:
+    AcceptedTest() : FileTest("accepted") {}
+};
+
+TEST_P(AcceptedTest, IsReadAsExpected) {
+    const Compilation compilation{GetParam() + ".idl"};
+    ASSERT_TRUE(compilation.preprocessed.ok) << compilation.preprocessed.message;
+    EXPECT_FALSE(compilation.diagnostics.failed());
+    // There is such a file where warnings are expected.
+    EXPECT_EQ(format(compilation.diagnostics, compilation.source),
+              read_file(GetParam() + ".warnings"));
+    Diagnostics diagnostics;
+    const ast::File file =
+        parse::parse_file(tokenize(compilation.source, diagnostics), diagnostics);
+    const std::string dump = ast::dump(file);
+    EXPECT_EQ(dump, expected(GetParam() + ".dump", dump));
+}
+
+INSTANTIATE_TEST_SUITE_P(Idl, AcceptedTest, testing::ValuesIn(idl_files("accepted")), name_of);
 
 class GoldenTest : public FileTest {
   protected:

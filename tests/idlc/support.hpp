@@ -54,7 +54,7 @@ struct Compilation {
             if (!name.starts_with('<')) source.add_original(name, read_file(name));
         }
         model = compile(source, diagnostics);
-        report_obstacles(model, Severity::error, diagnostics);
+        if (!diagnostics.failed()) report_obstacles(model, Severity::error, diagnostics);
     }
 
     Preprocessed preprocessed;
@@ -67,7 +67,7 @@ struct Compilation {
 struct TextCompilation {
     explicit TextCompilation(const std::string& text) : source("test.idl", text) {
         model = compile(source, diagnostics);
-        report_obstacles(model, Severity::error, diagnostics);
+        if (!diagnostics.failed()) report_obstacles(model, Severity::error, diagnostics);
     }
 
     std::string messages() const { return format(diagnostics, source); }
