@@ -144,12 +144,12 @@ void Motor::ramp(std::uint32_t value) const {
     call.read();
 }
 
-State Motor::sample(std::int32_t& range, Samples& samples) const {
+State Motor::sample(std::int32_t& range, Samples& taken) const {
     canorb::ClientCall call{*this, Motor_operations::sample};
     call.write(range);
     call.invoke();
     State result{};
-    call.read(result, range, samples);
+    call.read(result, range, taken);
     return result;
 }
 
@@ -219,10 +219,10 @@ void MotorServant::_dispatch(canorb::ServerCall& call) {
         }
         case Motor_operations::sample.id: {
             std::int32_t range{};
-            Samples samples;
+            Samples taken;
             if (!call.read(range)) return;
-            const State result = sample(range, samples);
-            call.reply(result, range, samples);
+            const State result = sample(range, taken);
+            call.reply(result, range, taken);
             return;
         }
         case Motor_operations::follow.id: {

@@ -13,6 +13,14 @@ namespace Devices {
 enum class State : std::uint32_t { STOPPED, RUNNING };  // devices.idl:4
 void encode(canorb::ccdr::Encoder& out, State value);
 void decode(canorb::ccdr::Decoder& in, State& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, State value) {
+    return canorb::print_enumerator(out, value, {{State::STOPPED, "STOPPED"},
+        {State::RUNNING, "RUNNING"}});
+}
+constexpr std::string_view type_code_of(const State*) {
+    return {"\021\026IDL:Devices/State:1.0\000\001\000\002\001\000\001\000", 31};
+}
 
 // devices.idl:5
 class MotorStartException final : public canorb::UserException {
@@ -27,11 +35,18 @@ class MotorStartException final : public canorb::UserException {
 };
 void encode(canorb::ccdr::Encoder& out, const MotorStartException& value);
 void decode(canorb::ccdr::Decoder& in, MotorStartException& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const MotorStartException& value) {
+    return canorb::print_members(out, "reason", value.reason);
+}
+constexpr std::string_view type_code_of(const MotorStartException*) {
+    return {"\026$IDL:Devices/MotorStartException:1.0\000\001\000\001\001\000\022\000", 45};
+}
 
 using Samples = std::vector<std::uint16_t>;  // devices.idl:6
 
 /// What stubs and skeletons share about IDL:Devices/Base:1.0.
-inline constexpr canorb::InterfaceInfo BaseInterface{"IDL:Devices/Base:1.0", {}};
+inline constexpr canorb::InterfaceInfo BaseInterface{"IDL:Devices/Base:1.0", {}, 0x3BED3840};
 
 // devices.idl:8
 class Base : public virtual canorb::ObjectRef {
@@ -52,10 +67,14 @@ class Base : public virtual canorb::ObjectRef {
 };
 void encode(canorb::ccdr::Encoder& out, const Base& value);
 void decode(canorb::ccdr::Decoder& in, Base& value);
+constexpr std::string_view type_code_of(const Base*) {
+    return {"\016\025IDL:Devices/Base:1.0\000\001\000", 25};
+}
 
 /// What stubs and skeletons share about IDL:Devices/Motor:1.0.
 inline constexpr const canorb::InterfaceInfo* MotorBases[] = {&BaseInterface};
-inline constexpr canorb::InterfaceInfo MotorInterface{"IDL:Devices/Motor:1.0", MotorBases};
+inline constexpr canorb::InterfaceInfo MotorInterface{
+    "IDL:Devices/Motor:1.0", MotorBases, 0xF99F8D5E};
 
 // devices.idl:13
 /// An electric motor.
@@ -79,11 +98,14 @@ class Motor : public virtual Base {
     void stop() const;  // devices.idl:17, operation 3
     std::uint32_t ramp() const;  // devices.idl:18, operation 4
     void ramp(std::uint32_t value) const;  // devices.idl:18, operation 5
-    State sample(std::int32_t& range, Samples& samples) const;  // devices.idl:19, operation 6
+    State sample(std::int32_t& range, Samples& taken) const;  // devices.idl:19, operation 6
     void follow(const Motor& leader) const;  // devices.idl:20, operation 7
 };
 void encode(canorb::ccdr::Encoder& out, const Motor& value);
 void decode(canorb::ccdr::Decoder& in, Motor& value);
+constexpr std::string_view type_code_of(const Motor*) {
+    return {"\016\026IDL:Devices/Motor:1.0\000\001\000", 26};
+}
 
 }  // namespace Devices
 
@@ -113,7 +135,7 @@ class MotorServant : public virtual BaseServant {
     virtual void stop() = 0;  // devices.idl:17
     virtual std::uint32_t ramp() = 0;  // devices.idl:18
     virtual void ramp(std::uint32_t value) = 0;  // devices.idl:18
-    virtual State sample(std::int32_t& range, Samples& samples) = 0;  // devices.idl:19
+    virtual State sample(std::int32_t& range, Samples& taken) = 0;  // devices.idl:19
     virtual void follow(const Motor& leader) = 0;  // devices.idl:20
 };
 

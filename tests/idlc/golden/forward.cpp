@@ -19,21 +19,21 @@ void decode(canorb::ccdr::Decoder& in, Node& value) {
 }
 
 void encode(canorb::ccdr::Encoder& out, const Neighbour& value) {
-    encode(out, value.node);
+    encode(out, value.there);
     encode(out, value.distance);
 }
 
 void decode(canorb::ccdr::Decoder& in, Neighbour& value) {
-    decode(in, value.node);
+    decode(in, value.there);
     decode(in, value.distance);
 }
 
 void encode(canorb::ccdr::Encoder& out, const Elsewhere& value) {
-    encode(out, value.node);
+    encode(out, value.there);
 }
 
 void decode(canorb::ccdr::Decoder& in, Elsewhere& value) {
-    decode(in, value.node);
+    decode(in, value.there);
 }
 
 void encode(canorb::ccdr::Encoder& out, const Route& value) {
@@ -61,10 +61,10 @@ void decode(canorb::ccdr::Decoder& in, Chart& value) {
 namespace Net {
 
 namespace Node_operations {
-constexpr canorb::OperationInfo neighbours{
-    .declared_in = &NodeInterface, .id = 0, .name = "neighbours"};
-constexpr canorb::OperationInfo route{
-    .declared_in = &NodeInterface, .id = 1, .name = "route"};
+constexpr canorb::OperationInfo around{
+    .declared_in = &NodeInterface, .id = 0, .name = "around"};
+constexpr canorb::OperationInfo way{
+    .declared_in = &NodeInterface, .id = 1, .name = "way"};
 constexpr canorb::OperationInfo _get_nearest{
     .declared_in = &NodeInterface, .id = 2, .name = "_get_nearest"};
 }  // namespace Node_operations
@@ -83,8 +83,8 @@ Node Node::with_sent(canorb::SentCallback callback) const {
     return Node{canorb::ObjectRef::with_sent(std::move(callback))};
 }
 
-Neighbours Node::neighbours() const {
-    canorb::ClientCall call{*this, Node_operations::neighbours};
+Neighbours Node::around() const {
+    canorb::ClientCall call{*this, Node_operations::around};
     call.write();
     call.invoke();
     Neighbours result;
@@ -92,8 +92,8 @@ Neighbours Node::neighbours() const {
     return result;
 }
 
-Route Node::route(const Node& destination) const {
-    canorb::ClientCall call{*this, Node_operations::route};
+Route Node::way(const Node& destination) const {
+    canorb::ClientCall call{*this, Node_operations::way};
     call.write(destination);
     call.invoke<Elsewhere>();
     Route result;
@@ -118,17 +118,17 @@ namespace Net {
 
 void NodeServant::_dispatch(canorb::ServerCall& call) {
     switch (call.operation()) {
-        case Node_operations::neighbours.id: {
+        case Node_operations::around.id: {
             if (!call.read()) return;
-            const Neighbours result = neighbours();
+            const Neighbours result = around();
             call.reply(result);
             return;
         }
-        case Node_operations::route.id: {
+        case Node_operations::way.id: {
             Node destination;
             if (!call.read(destination)) return;
             try {
-                const Route result = route(destination);
+                const Route result = way(destination);
                 call.reply(result);
             } catch (const Elsewhere& exception) {
                 call.raise(exception);

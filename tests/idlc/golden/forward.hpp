@@ -17,7 +17,7 @@ class Elsewhere;
 struct Route;
 
 /// What stubs and skeletons share about IDL:Net/Node:1.0.
-inline constexpr canorb::InterfaceInfo NodeInterface{"IDL:Net/Node:1.0", {}};
+inline constexpr canorb::InterfaceInfo NodeInterface{"IDL:Net/Node:1.0", {}, 0x0D51F0AD};
 
 // forward.idl:19
 class Node : public virtual canorb::ObjectRef {
@@ -34,22 +34,33 @@ class Node : public virtual canorb::ObjectRef {
     /// A copy that calls `callback` when a call through it is on the bus.
     Node with_sent(canorb::SentCallback callback) const;
 
-    Neighbours neighbours() const;  // forward.idl:20, operation 0
-    Route route(const Node& destination) const;  // forward.idl:21, operation 1, raises Elsewhere
+    Neighbours around() const;  // forward.idl:20, operation 0
+    Route way(const Node& destination) const;  // forward.idl:21, operation 1, raises Elsewhere
     Neighbour nearest() const;  // forward.idl:22, operation 2
 };
 void encode(canorb::ccdr::Encoder& out, const Node& value);
 void decode(canorb::ccdr::Decoder& in, Node& value);
+constexpr std::string_view type_code_of(const Node*) {
+    return {"\016\021IDL:Net/Node:1.0\000\001\000", 21};
+}
 
 // forward.idl:6
 struct Neighbour {
-    Node node;
+    Node there;
     std::uint16_t distance{};
 
     friend bool operator==(const Neighbour&, const Neighbour&) = default;
 };
 void encode(canorb::ccdr::Encoder& out, const Neighbour& value);
 void decode(canorb::ccdr::Decoder& in, Neighbour& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const Neighbour& value) {
+    return canorb::print_members(out, "there", value.there, "distance", value.distance);
+}
+constexpr std::string_view type_code_of(const Neighbour*) {
+    return {"\017\026IDL:Net/Neighbour:1.0\000\001\000\002\001\000\016\021IDL:Net/Node:1.0"
+        "\000\001\000\001\000\004", 53};
+}
 
 // forward.idl:12
 class Elsewhere final : public canorb::UserException {
@@ -57,13 +68,21 @@ class Elsewhere final : public canorb::UserException {
     static constexpr std::string_view repository_id = "IDL:Net/Elsewhere:1.0";
 
     Elsewhere() = default;
-    explicit Elsewhere(Node node_value) : node(std::move(node_value)) {}
+    explicit Elsewhere(Node there_value) : there(std::move(there_value)) {}
     std::string_view _repository_id() const noexcept override { return repository_id; }
 
-    Node node;
+    Node there;
 };
 void encode(canorb::ccdr::Encoder& out, const Elsewhere& value);
 void decode(canorb::ccdr::Decoder& in, Elsewhere& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const Elsewhere& value) {
+    return canorb::print_members(out, "there", value.there);
+}
+constexpr std::string_view type_code_of(const Elsewhere*) {
+    return {"\026\026IDL:Net/Elsewhere:1.0\000\001\000\001\001\000\016\021IDL:Net/Node:1.0"
+        "\000\001\000", 50};
+}
 
 // forward.idl:14
 struct Route {
@@ -74,6 +93,15 @@ struct Route {
 };
 void encode(canorb::ccdr::Encoder& out, const Route& value);
 void decode(canorb::ccdr::Decoder& in, Route& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const Route& value) {
+    return canorb::print_members(out, "hops", value.hops, "others", value.others);
+}
+constexpr std::string_view type_code_of(const Route*) {
+    return {"\017\022IDL:Net/Route:1.0\000\001\000\002\001\000\024\017\026IDL:Net/Neighbour:1"
+        ".0\000\001\000\002\001\000\016\021IDL:Net/Node:1.0\000\001\000\001\000\004\004"
+        "\001\000\023\016\021IDL:Net/Node:1.0\000\001\000\000", 105};
+}
 
 // forward.idl:26
 // Behind the interface it is as always.
@@ -84,6 +112,16 @@ struct Chart {
 };
 void encode(canorb::ccdr::Encoder& out, const Chart& value);
 void decode(canorb::ccdr::Decoder& in, Chart& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const Chart& value) {
+    return canorb::print_members(out, "routes", value.routes);
+}
+constexpr std::string_view type_code_of(const Chart*) {
+    return {"\017\022IDL:Net/Chart:1.0\000\001\000\001\001\000\023\017\022IDL:Net/Route:1.0"
+        "\000\001\000\002\001\000\024\017\026IDL:Net/Neighbour:1.0\000\001\000\002\001"
+        "\000\016\021IDL:Net/Node:1.0\000\001\000\001\000\004\004\001\000\023\016\021IDL:"
+        "Net/Node:1.0\000\001\000\000\000", 132};
+}
 
 }  // namespace Net
 
@@ -97,8 +135,8 @@ class NodeServant : public virtual canorb::Servant {
     const canorb::InterfaceInfo& _interface_info() const override { return NodeInterface; }
     void _dispatch(canorb::ServerCall& call) override;
 
-    virtual Neighbours neighbours() = 0;  // forward.idl:20
-    virtual Route route(const Node& destination) = 0;  // forward.idl:21, raises Elsewhere
+    virtual Neighbours around() = 0;  // forward.idl:20
+    virtual Route way(const Node& destination) = 0;  // forward.idl:21, raises Elsewhere
     virtual Neighbour nearest() = 0;  // forward.idl:22
 };
 

@@ -37,13 +37,13 @@ void decode(canorb::ccdr::Decoder& in, Device::State& value) {
 }
 
 void encode(canorb::ccdr::Encoder& out, const Device::Info& value) {
-    encode(out, value.serial);
-    encode(out, value.state);
+    encode(out, value.number);
+    encode(out, value.now);
 }
 
 void decode(canorb::ccdr::Decoder& in, Device::Info& value) {
-    decode(in, value.serial);
-    decode(in, value.state);
+    decode(in, value.number);
+    decode(in, value.now);
 }
 
 void encode(canorb::ccdr::Encoder& out, const Device::Broken& value) {
@@ -293,9 +293,9 @@ Listener Listener::with_sent(canorb::SentCallback callback) const {
     return Listener{canorb::ObjectRef::with_sent(std::move(callback))};
 }
 
-void Listener::changed(const Device& which, Device::State state) const {
+void Listener::changed(const Device& which, Device::State now) const {
     canorb::ClientCall call{*this, Listener_operations::changed};
-    call.write(which, state);
+    call.write(which, now);
     call.invoke();
     call.read();
 }
@@ -331,7 +331,7 @@ void Store::label(const std::string& value) const {
     call.read();
 }
 
-std::string Store::get(std::int32_t key, std::vector<std::string>& others, canorb::BoundedString<20>& hint) const {
+std::string Store::get(std::int32_t key, Texts& others, canorb::BoundedString<20>& hint) const {
     canorb::ClientCall call{*this, Store_operations::get};
     call.write(key, hint);
     call.invoke();
@@ -349,9 +349,9 @@ canorb::ObjectRef Store::lookup(const std::string& name, canorb::ObjectRef& hint
     return result;
 }
 
-std::int32_t Store::fill(const Listeners& listeners) const {
+std::int32_t Store::fill(const Listeners& who) const {
     canorb::ClientCall call{*this, Store_operations::fill};
-    call.write(listeners);
+    call.write(who);
     call.invoke();
     std::int32_t result{};
     call.read(result);
@@ -366,12 +366,12 @@ Pump Pump::with_sent(canorb::SentCallback callback) const {
     return Pump{canorb::ObjectRef::with_sent(std::move(callback))};
 }
 
-Device::State Pump::cycle(State from, Info& info) const {
+Device::State Pump::cycle(State from, Info& about) const {
     canorb::ClientCall call{*this, Pump_operations::cycle};
-    call.write(from, info);
+    call.write(from, about);
     call.invoke();
     State result{};
-    call.read(result, info);
+    call.read(result, about);
     return result;
 }
 
@@ -559,9 +559,9 @@ void ListenerServant::_dispatch(canorb::ServerCall& call) {
         case Listener_operations::changed.id: {
             call.oneway();
             Device which;
-            Device::State state{};
-            if (!call.read(which, state)) return;
-            changed(which, state);
+            Device::State now{};
+            if (!call.read(which, now)) return;
+            changed(which, now);
             return;
         }
         case Listener_operations::text.id: {
@@ -602,7 +602,7 @@ void StoreServant::_dispatch(canorb::ServerCall& call) {
         }
         case Store_operations::get.id: {
             std::int32_t key{};
-            std::vector<std::string> others;
+            Store::Texts others;
             canorb::BoundedString<20> hint;
             if (!call.read(key, hint)) return;
             const std::string result = get(key, others, hint);
@@ -618,9 +618,9 @@ void StoreServant::_dispatch(canorb::ServerCall& call) {
             return;
         }
         case Store_operations::fill.id: {
-            Listeners listeners;
-            if (!call.read(listeners)) return;
-            const std::int32_t result = fill(listeners);
+            Listeners who;
+            if (!call.read(who)) return;
+            const std::int32_t result = fill(who);
             call.reply(result);
             return;
         }
@@ -633,10 +633,10 @@ void PumpServant::_dispatch(canorb::ServerCall& call) {
     switch (call.operation()) {
         case Pump_operations::cycle.id: {
             Device::State from{};
-            Device::Info info;
-            if (!call.read(from, info)) return;
-            const Device::State result = cycle(from, info);
-            call.reply(result, info);
+            Device::Info about;
+            if (!call.read(from, about)) return;
+            const Device::State result = cycle(from, about);
+            call.reply(result, about);
             return;
         }
         case 0:  // Plant::Device::_get_current

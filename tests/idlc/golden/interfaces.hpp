@@ -23,12 +23,19 @@ class Refused final : public canorb::UserException {
 };
 void encode(canorb::ccdr::Encoder& out, const Refused& value);
 void decode(canorb::ccdr::Decoder& in, Refused& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const Refused& value) {
+    return canorb::print_members(out, "why", value.why);
+}
+constexpr std::string_view type_code_of(const Refused*) {
+    return {"\026\026IDL:Plant/Refused:1.0\000\001\000\001\001\000\022\000", 31};
+}
 
 class Listener;
 using Listeners = std::vector<Listener>;  // interfaces.idl:7
 
 /// What stubs and skeletons share about IDL:Plant/Device:1.0.
-inline constexpr canorb::InterfaceInfo DeviceInterface{"IDL:Plant/Device:1.0", {}};
+inline constexpr canorb::InterfaceInfo DeviceInterface{"IDL:Plant/Device:1.0", {}, 0xA1CB6691};
 
 // interfaces.idl:9
 class Device : public virtual canorb::ObjectRef {
@@ -43,8 +50,8 @@ class Device : public virtual canorb::ObjectRef {
 
     // interfaces.idl:13
     struct Info {
-        Serial serial;
-        State state{};
+        Serial number;
+        State now{};
 
         friend bool operator==(const Info&, const Info&) = default;
     };
@@ -77,15 +84,46 @@ class Device : public virtual canorb::ObjectRef {
 };
 void encode(canorb::ccdr::Encoder& out, const Device& value);
 void decode(canorb::ccdr::Decoder& in, Device& value);
+constexpr std::string_view type_code_of(const Device*) {
+    return {"\016\025IDL:Plant/Device:1.0\000\001\000", 25};
+}
+
 void encode(canorb::ccdr::Encoder& out, Device::State value);
 void decode(canorb::ccdr::Decoder& in, Device::State& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, Device::State value) {
+    return canorb::print_enumerator(out, value, {{Device::State::OFF, "OFF"},
+        {Device::State::ON, "ON"}});
+}
+constexpr std::string_view type_code_of(const Device::State*) {
+    return {"\021\033IDL:Plant/Device/State:1.0\000\001\000\002\001\000\001\000", 36};
+}
+
 void encode(canorb::ccdr::Encoder& out, const Device::Info& value);
 void decode(canorb::ccdr::Decoder& in, Device::Info& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const Device::Info& value) {
+    return canorb::print_members(out, "number", value.number, "now", value.now);
+}
+constexpr std::string_view type_code_of(const Device::Info*) {
+    return {"\017\032IDL:Plant/Device/Info:1.0\000\001\000\002\001\000\023\012\010\001\000"
+        "\021\033IDL:Plant/Device/State:1.0\000\001\000\002\001\000\001\000", 74};
+}
+
 void encode(canorb::ccdr::Encoder& out, const Device::Broken& value);
 void decode(canorb::ccdr::Decoder& in, Device::Broken& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const Device::Broken& value) {
+    return canorb::print_members(out, "was", value.was);
+}
+constexpr std::string_view type_code_of(const Device::Broken*) {
+    return {"\026\034IDL:Plant/Device/Broken:1.0\000\001\000\001\001\000\021\033IDL:Plant/Dev"
+        "ice/State:1.0\000\001\000\002\001\000\001\000", 71};
+}
 
 /// What stubs and skeletons share about IDL:Plant/Listener:1.0.
-inline constexpr canorb::InterfaceInfo ListenerInterface{"IDL:Plant/Listener:1.0", {}};
+inline constexpr canorb::InterfaceInfo ListenerInterface{
+    "IDL:Plant/Listener:1.0", {}, 0x08C7CB3E};
 
 // interfaces.idl:26
 /// Numbers its operations from 16, so that it goes together with others.
@@ -103,21 +141,25 @@ class Listener : public virtual canorb::ObjectRef {
     /// A copy that calls `callback` when a call through it is on the bus.
     Listener with_sent(canorb::SentCallback callback) const;
 
-    // interfaces.idl:27, operation 16
-    void changed(const Device& which, Device::State state) const;
+    void changed(const Device& which, Device::State now) const;  // interfaces.idl:27, operation 16
     // interfaces.idl:28, operation 17
     void text(const std::string& message, const std::string& details) const;
 };
 void encode(canorb::ccdr::Encoder& out, const Listener& value);
 void decode(canorb::ccdr::Decoder& in, Listener& value);
+constexpr std::string_view type_code_of(const Listener*) {
+    return {"\016\027IDL:Plant/Listener:1.0\000\001\000", 27};
+}
 
 /// What stubs and skeletons share about IDL:Plant/Store:1.0.
-inline constexpr canorb::InterfaceInfo StoreInterface{"IDL:Plant/Store:1.0", {}};
+inline constexpr canorb::InterfaceInfo StoreInterface{"IDL:Plant/Store:1.0", {}, 0x1FF518B8};
 
 // interfaces.idl:32
 class Store : public virtual canorb::ObjectRef {
   public:
     static constexpr const canorb::InterfaceInfo& _interface = StoreInterface;
+
+    using Texts = std::vector<std::string>;  // interfaces.idl:33
 
     Store() = default;  // nil
     explicit Store(const canorb::ObjectRef& reference) : canorb::ObjectRef(reference) {}
@@ -129,23 +171,27 @@ class Store : public virtual canorb::ObjectRef {
     /// A copy that calls `callback` when a call through it is on the bus.
     Store with_sent(canorb::SentCallback callback) const;
 
-    std::string label() const;  // interfaces.idl:33, operation 32, raises Refused
-    void label(const std::string& value) const;  // interfaces.idl:33, operation 33, raises Refused
-    // interfaces.idl:35, operation 34
-    std::string get(std::int32_t key, std::vector<std::string>& others, canorb::BoundedString<20>& hint) const;
-    // interfaces.idl:36, operation 35
+    std::string label() const;  // interfaces.idl:34, operation 32, raises Refused
+    void label(const std::string& value) const;  // interfaces.idl:34, operation 33, raises Refused
+    // interfaces.idl:36, operation 34
+    std::string get(std::int32_t key, Texts& others, canorb::BoundedString<20>& hint) const;
+    // interfaces.idl:37, operation 35
     canorb::ObjectRef lookup(const std::string& name, canorb::ObjectRef& hint) const;
-    std::int32_t fill(const Listeners& listeners) const;  // interfaces.idl:37, operation 36
+    std::int32_t fill(const Listeners& who) const;  // interfaces.idl:38, operation 36
 };
 void encode(canorb::ccdr::Encoder& out, const Store& value);
 void decode(canorb::ccdr::Decoder& in, Store& value);
+constexpr std::string_view type_code_of(const Store*) {
+    return {"\016\024IDL:Plant/Store:1.0\000\001\000", 24};
+}
 
 /// What stubs and skeletons share about IDL:Plant/Pump:1.0.
 inline constexpr const canorb::InterfaceInfo* PumpBases[] = {
     &DeviceInterface, &ListenerInterface};
-inline constexpr canorb::InterfaceInfo PumpInterface{"IDL:Plant/Pump:1.0", PumpBases};
+inline constexpr canorb::InterfaceInfo PumpInterface{
+    "IDL:Plant/Pump:1.0", PumpBases, 0xAF2352FC};
 
-// interfaces.idl:40
+// interfaces.idl:41
 class Pump : public virtual Device, public virtual Listener {
   public:
     static constexpr const canorb::InterfaceInfo& _interface = PumpInterface;
@@ -160,18 +206,21 @@ class Pump : public virtual Device, public virtual Listener {
     /// A copy that calls `callback` when a call through it is on the bus.
     Pump with_sent(canorb::SentCallback callback) const;
 
-    State cycle(State from, Info& info) const;  // interfaces.idl:41, operation 18
+    State cycle(State from, Info& about) const;  // interfaces.idl:42, operation 18
 };
 void encode(canorb::ccdr::Encoder& out, const Pump& value);
 void decode(canorb::ccdr::Decoder& in, Pump& value);
+constexpr std::string_view type_code_of(const Pump*) {
+    return {"\016\023IDL:Plant/Pump:1.0\000\001\000", 23};
+}
 
 /// What stubs and skeletons share about IDL:Plant/LoggingPump:1.0.
 inline constexpr const canorb::InterfaceInfo* LoggingPumpBases[] = {
     &PumpInterface, &StoreInterface};
 inline constexpr canorb::InterfaceInfo LoggingPumpInterface{
-    "IDL:Plant/LoggingPump:1.0", LoggingPumpBases};
+    "IDL:Plant/LoggingPump:1.0", LoggingPumpBases, 0x76BA0CEE};
 
-// interfaces.idl:44
+// interfaces.idl:45
 class LoggingPump : public virtual Pump, public virtual Store {
   public:
     static constexpr const canorb::InterfaceInfo& _interface = LoggingPumpInterface;
@@ -186,15 +235,19 @@ class LoggingPump : public virtual Pump, public virtual Store {
     /// A copy that calls `callback` when a call through it is on the bus.
     LoggingPump with_sent(canorb::SentCallback callback) const;
 
-    Pump self() const;  // interfaces.idl:45, operation 37
+    Pump self() const;  // interfaces.idl:46, operation 37
 };
 void encode(canorb::ccdr::Encoder& out, const LoggingPump& value);
 void decode(canorb::ccdr::Decoder& in, LoggingPump& value);
+constexpr std::string_view type_code_of(const LoggingPump*) {
+    return {"\016\032IDL:Plant/LoggingPump:1.0\000\001\000", 30};
+}
 
 /// What stubs and skeletons share about IDL:Plant/Nothing:1.0.
-inline constexpr canorb::InterfaceInfo NothingInterface{"IDL:Plant/Nothing:1.0", {}};
+inline constexpr canorb::InterfaceInfo NothingInterface{
+    "IDL:Plant/Nothing:1.0", {}, 0x1CD61043};
 
-// interfaces.idl:48
+// interfaces.idl:49
 class Nothing : public virtual canorb::ObjectRef {
   public:
     static constexpr const canorb::InterfaceInfo& _interface = NothingInterface;
@@ -211,13 +264,16 @@ class Nothing : public virtual canorb::ObjectRef {
 };
 void encode(canorb::ccdr::Encoder& out, const Nothing& value);
 void decode(canorb::ccdr::Decoder& in, Nothing& value);
+constexpr std::string_view type_code_of(const Nothing*) {
+    return {"\016\026IDL:Plant/Nothing:1.0\000\001\000", 26};
+}
 
 /// What stubs and skeletons share about IDL:Plant/StillNothing:1.0.
 inline constexpr const canorb::InterfaceInfo* StillNothingBases[] = {&NothingInterface};
 inline constexpr canorb::InterfaceInfo StillNothingInterface{
-    "IDL:Plant/StillNothing:1.0", StillNothingBases};
+    "IDL:Plant/StillNothing:1.0", StillNothingBases, 0x3A12F92B};
 
-// interfaces.idl:49
+// interfaces.idl:50
 class StillNothing : public virtual Nothing {
   public:
     static constexpr const canorb::InterfaceInfo& _interface = StillNothingInterface;
@@ -234,12 +290,16 @@ class StillNothing : public virtual Nothing {
 };
 void encode(canorb::ccdr::Encoder& out, const StillNothing& value);
 void decode(canorb::ccdr::Decoder& in, StillNothing& value);
+constexpr std::string_view type_code_of(const StillNothing*) {
+    return {"\016\033IDL:Plant/StillNothing:1.0\000\001\000", 31};
+}
 
 /// What stubs and skeletons share about IDL:Plant/Derived:1.0.
 inline constexpr const canorb::InterfaceInfo* DerivedBases[] = {&NothingInterface};
-inline constexpr canorb::InterfaceInfo DerivedInterface{"IDL:Plant/Derived:1.0", DerivedBases};
+inline constexpr canorb::InterfaceInfo DerivedInterface{
+    "IDL:Plant/Derived:1.0", DerivedBases, 0x56251A23};
 
-// interfaces.idl:50
+// interfaces.idl:51
 class Derived : public virtual Nothing {
   public:
     static constexpr const canorb::InterfaceInfo& _interface = DerivedInterface;
@@ -254,22 +314,33 @@ class Derived : public virtual Nothing {
     /// A copy that calls `callback` when a call through it is on the bus.
     Derived with_sent(canorb::SentCallback callback) const;
 
-    void work() const;  // interfaces.idl:50, operation 0
+    void work() const;  // interfaces.idl:51, operation 0
 };
 void encode(canorb::ccdr::Encoder& out, const Derived& value);
 void decode(canorb::ccdr::Decoder& in, Derived& value);
+constexpr std::string_view type_code_of(const Derived*) {
+    return {"\016\026IDL:Plant/Derived:1.0\000\001\000", 26};
+}
 
 }  // namespace Plant
 
 namespace Names {
 
-// interfaces.idl:55
+// interfaces.idl:56
 // Keywords of C++ and names that the generated code uses itself.
 enum class _cxx_class : std::uint32_t { _cxx_public, private_ };
 void encode(canorb::ccdr::Encoder& out, _cxx_class value);
 void decode(canorb::ccdr::Decoder& in, _cxx_class& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, _cxx_class value) {
+    return canorb::print_enumerator(out, value, {{_cxx_class::_cxx_public, "public"},
+        {_cxx_class::private_, "private_"}});
+}
+constexpr std::string_view type_code_of(const _cxx_class*) {
+    return {"\021\024IDL:Names/class:1.0\000\001\000\002\001\000\001\000", 29};
+}
 
-// interfaces.idl:56
+// interfaces.idl:57
 struct _cxx_namespace {
     std::int32_t _cxx_int{};
     _cxx_class _cxx_delete{};
@@ -278,11 +349,20 @@ struct _cxx_namespace {
 };
 void encode(canorb::ccdr::Encoder& out, const _cxx_namespace& value);
 void decode(canorb::ccdr::Decoder& in, _cxx_namespace& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const _cxx_namespace& value) {
+    return canorb::print_members(out, "int", value._cxx_int, "delete", value._cxx_delete);
+}
+constexpr std::string_view type_code_of(const _cxx_namespace*) {
+    return {"\017\030IDL:Names/namespace:1.0\000\001\000\002\001\000\003\001\000\021\024IDL:N"
+        "ames/class:1.0\000\001\000\002\001\000\001\000", 63};
+}
 
 /// What stubs and skeletons share about IDL:Names/operator:1.0.
-inline constexpr canorb::InterfaceInfo _cxx_operatorInterface{"IDL:Names/operator:1.0", {}};
+inline constexpr canorb::InterfaceInfo _cxx_operatorInterface{
+    "IDL:Names/operator:1.0", {}, 0x130B3E5B};
 
-// interfaces.idl:60
+// interfaces.idl:61
 class _cxx_operator : public virtual canorb::ObjectRef {
   public:
     static constexpr const canorb::InterfaceInfo& _interface = _cxx_operatorInterface;
@@ -297,25 +377,29 @@ class _cxx_operator : public virtual canorb::ObjectRef {
     /// A copy that calls `callback` when a call through it is on the bus.
     _cxx_operator with_sent(canorb::SentCallback callback) const;
 
-    // interfaces.idl:61, operation 0, raises Plant::Refused
+    // interfaces.idl:62, operation 0, raises Plant::Refused
     _cxx_class _cxx_new(std::int32_t call, std::int32_t result, std::int32_t& exception) const;
-    void level(std::uint16_t level) const;  // interfaces.idl:62, operation 1
-    void call(std::int32_t value) const;  // interfaces.idl:63, operation 2
-    std::int32_t result() const;  // interfaces.idl:64, operation 3
-    void interface(std::int32_t module) const;  // interfaces.idl:65, operation 4
-    std::int32_t double_() const;  // interfaces.idl:66, operation 5
-    void double_(std::int32_t value) const;  // interfaces.idl:66, operation 6
-    void with_sent(std::int32_t callback) const;  // interfaces.idl:67, operation 7
+    void level(std::uint16_t level) const;  // interfaces.idl:63, operation 1
+    void call(std::int32_t value) const;  // interfaces.idl:64, operation 2
+    std::int32_t result() const;  // interfaces.idl:65, operation 3
+    void interface(std::int32_t module) const;  // interfaces.idl:66, operation 4
+    std::int32_t double_() const;  // interfaces.idl:67, operation 5
+    void double_(std::int32_t value) const;  // interfaces.idl:67, operation 6
+    void with_sent(std::int32_t callback) const;  // interfaces.idl:68, operation 7
 };
 void encode(canorb::ccdr::Encoder& out, const _cxx_operator& value);
 void decode(canorb::ccdr::Decoder& in, _cxx_operator& value);
+constexpr std::string_view type_code_of(const _cxx_operator*) {
+    return {"\016\027IDL:Names/operator:1.0\000\001\000", 27};
+}
 
 }  // namespace Names
 
 /// What stubs and skeletons share about IDL:AtFileScope:1.0.
-inline constexpr canorb::InterfaceInfo AtFileScopeInterface{"IDL:AtFileScope:1.0", {}};
+inline constexpr canorb::InterfaceInfo AtFileScopeInterface{
+    "IDL:AtFileScope:1.0", {}, 0x3D45B162};
 
-// interfaces.idl:71
+// interfaces.idl:72
 class AtFileScope : public virtual canorb::ObjectRef {
   public:
     static constexpr const canorb::InterfaceInfo& _interface = AtFileScopeInterface;
@@ -330,10 +414,13 @@ class AtFileScope : public virtual canorb::ObjectRef {
     /// A copy that calls `callback` when a call through it is on the bus.
     AtFileScope with_sent(canorb::SentCallback callback) const;
 
-    void hello(const Names::_cxx_namespace& what) const;  // interfaces.idl:72, operation 0
+    void hello(const Names::_cxx_namespace& what) const;  // interfaces.idl:73, operation 0
 };
 void encode(canorb::ccdr::Encoder& out, const AtFileScope& value);
 void decode(canorb::ccdr::Decoder& in, AtFileScope& value);
+constexpr std::string_view type_code_of(const AtFileScope*) {
+    return {"\016\024IDL:AtFileScope:1.0\000\001\000", 24};
+}
 
 // Servants: derive from these.
 
@@ -358,7 +445,7 @@ class ListenerServant : public virtual canorb::Servant {
     const canorb::InterfaceInfo& _interface_info() const override { return ListenerInterface; }
     void _dispatch(canorb::ServerCall& call) override;
 
-    virtual void changed(const Device& which, Device::State state) = 0;  // interfaces.idl:27
+    virtual void changed(const Device& which, Device::State now) = 0;  // interfaces.idl:27
     // interfaces.idl:28
     virtual void text(const std::string& message, const std::string& details) = 0;
 };
@@ -369,84 +456,84 @@ class StoreServant : public virtual canorb::Servant {
     const canorb::InterfaceInfo& _interface_info() const override { return StoreInterface; }
     void _dispatch(canorb::ServerCall& call) override;
 
-    virtual std::string label() = 0;  // interfaces.idl:33, raises Refused
-    virtual void label(const std::string& value) = 0;  // interfaces.idl:33, raises Refused
-    // interfaces.idl:35
-    virtual std::string get(std::int32_t key, std::vector<std::string>& others, canorb::BoundedString<20>& hint) = 0;
+    virtual std::string label() = 0;  // interfaces.idl:34, raises Refused
+    virtual void label(const std::string& value) = 0;  // interfaces.idl:34, raises Refused
     // interfaces.idl:36
+    virtual std::string get(std::int32_t key, Store::Texts& others, canorb::BoundedString<20>& hint) = 0;
+    // interfaces.idl:37
     virtual canorb::ObjectRef lookup(const std::string& name, canorb::ObjectRef& hint) = 0;
-    virtual std::int32_t fill(const Listeners& listeners) = 0;  // interfaces.idl:37
+    virtual std::int32_t fill(const Listeners& who) = 0;  // interfaces.idl:38
 };
 
-// interfaces.idl:40
+// interfaces.idl:41
 class PumpServant : public virtual DeviceServant, public virtual ListenerServant {
   public:
     const canorb::InterfaceInfo& _interface_info() const override { return PumpInterface; }
     void _dispatch(canorb::ServerCall& call) override;
 
-    virtual Device::State cycle(Device::State from, Device::Info& info) = 0;  // interfaces.idl:41
+    virtual Device::State cycle(Device::State from, Device::Info& about) = 0;  // interfaces.idl:42
 };
 
-// interfaces.idl:44
+// interfaces.idl:45
 class LoggingPumpServant : public virtual PumpServant, public virtual StoreServant {
   public:
     const canorb::InterfaceInfo& _interface_info() const override { return LoggingPumpInterface; }
     void _dispatch(canorb::ServerCall& call) override;
 
-    virtual Pump self() = 0;  // interfaces.idl:45
+    virtual Pump self() = 0;  // interfaces.idl:46
 };
 
-// interfaces.idl:48
+// interfaces.idl:49
 class NothingServant : public virtual canorb::Servant {
   public:
     const canorb::InterfaceInfo& _interface_info() const override { return NothingInterface; }
     void _dispatch(canorb::ServerCall& call) override;
 };
 
-// interfaces.idl:49
+// interfaces.idl:50
 class StillNothingServant : public virtual NothingServant {
   public:
     const canorb::InterfaceInfo& _interface_info() const override { return StillNothingInterface; }
     void _dispatch(canorb::ServerCall& call) override;
 };
 
-// interfaces.idl:50
+// interfaces.idl:51
 class DerivedServant : public virtual NothingServant {
   public:
     const canorb::InterfaceInfo& _interface_info() const override { return DerivedInterface; }
     void _dispatch(canorb::ServerCall& call) override;
 
-    virtual void work() = 0;  // interfaces.idl:50
+    virtual void work() = 0;  // interfaces.idl:51
 };
 
 }  // namespace Plant
 
 namespace Names {
 
-// interfaces.idl:60
+// interfaces.idl:61
 class _cxx_operatorServant : public virtual canorb::Servant {
   public:
     const canorb::InterfaceInfo& _interface_info() const override { return _cxx_operatorInterface; }
     void _dispatch(canorb::ServerCall& call) override;
 
-    // interfaces.idl:61, raises Plant::Refused
+    // interfaces.idl:62, raises Plant::Refused
     virtual _cxx_class _cxx_new(std::int32_t call, std::int32_t result, std::int32_t& exception) = 0;
-    virtual void level(std::uint16_t level) = 0;  // interfaces.idl:62
-    virtual void call(std::int32_t value) = 0;  // interfaces.idl:63
-    virtual std::int32_t result() = 0;  // interfaces.idl:64
-    virtual void interface(std::int32_t module) = 0;  // interfaces.idl:65
-    virtual std::int32_t double_() = 0;  // interfaces.idl:66
-    virtual void double_(std::int32_t value) = 0;  // interfaces.idl:66
-    virtual void with_sent(std::int32_t callback) = 0;  // interfaces.idl:67
+    virtual void level(std::uint16_t level) = 0;  // interfaces.idl:63
+    virtual void call(std::int32_t value) = 0;  // interfaces.idl:64
+    virtual std::int32_t result() = 0;  // interfaces.idl:65
+    virtual void interface(std::int32_t module) = 0;  // interfaces.idl:66
+    virtual std::int32_t double_() = 0;  // interfaces.idl:67
+    virtual void double_(std::int32_t value) = 0;  // interfaces.idl:67
+    virtual void with_sent(std::int32_t callback) = 0;  // interfaces.idl:68
 };
 
 }  // namespace Names
 
-// interfaces.idl:71
+// interfaces.idl:72
 class AtFileScopeServant : public virtual canorb::Servant {
   public:
     const canorb::InterfaceInfo& _interface_info() const override { return AtFileScopeInterface; }
     void _dispatch(canorb::ServerCall& call) override;
 
-    virtual void hello(const Names::_cxx_namespace& what) = 0;  // interfaces.idl:72
+    virtual void hello(const Names::_cxx_namespace& what) = 0;  // interfaces.idl:73
 };
