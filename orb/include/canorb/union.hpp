@@ -20,6 +20,10 @@ namespace canorb {
     throw BAD_PARAM{std::string{member} + ": the discriminator does not select it"};
 }
 
+inline void check_selected(bool is_selected, std::string_view member) {
+    if (!is_selected) throw_not_selected(member);
+}
+
 /// The I-th member of a union; BAD_PARAM where it is not the active one.
 template <std::size_t I, typename Members>
 auto& union_member(Members& members, std::string_view name) {
