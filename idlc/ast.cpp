@@ -323,6 +323,7 @@ class Dump {
         line("typedef " + to_string(alias.type) + ' ' + name + dimensions(alias.dimensions));
     }
     void show(const std::string& name, const Native&) { line("native " + name); }
+    void show(const std::string& name, const ValueType&) { line("valuetype " + name); }
     void show(const std::string& name, const ForwardStruct&) {
         line("struct " + name + " (forward)");
     }

@@ -186,6 +186,9 @@ struct Alias {
 
 struct Native {};
 
+/// A valuetype, of which only its name is kept.
+struct ValueType {};
+
 struct ForwardStruct {};
 struct ForwardUnion {};
 
@@ -246,7 +249,7 @@ struct Declaration {
     Identifier name;
     std::vector<std::string> comment;
     std::vector<Annotation> annotations;
-    std::variant<Module, Constant, Enum, Bitmask, Struct, Union, Exception, Alias, Native,
+    std::variant<Module, Constant, Enum, Bitmask, Struct, Union, Exception, Alias, Native, ValueType,
                  ForwardStruct, ForwardUnion, ForwardInterface, Interface, Attribute, Operation,
                  IdDirective, AnnotationType>
         body;

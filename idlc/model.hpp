@@ -168,8 +168,10 @@ struct Alias {
     Type type;
 };
 
-/// A type that each language has its own of: nothing is generated for it, and nothing can use it.
-struct Native {};
+/// A type that is known by name only: nothing is generated for it, and nothing can use it.
+struct Unusable {
+    std::string_view kind;  ///< "native", "valuetype"
+};
 
 enum class Direction : std::uint8_t { in, out, inout };
 
@@ -223,7 +225,7 @@ struct Definition {
     Provenance provenance;
     std::vector<std::string> comment;
     bool in_main_file = false;
-    std::variant<Module, Constant, Enum, Bitmask, Struct, Union, Exception, Alias, Native, Forward,
+    std::variant<Module, Constant, Enum, Bitmask, Struct, Union, Exception, Alias, Unusable, Forward,
                  Interface>
         body = Module{};
 };

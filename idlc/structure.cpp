@@ -77,7 +77,7 @@ std::string_view kind_of(const Definition& definition) {
         std::string_view operator()(const model::Union&) const { return "union"; }
         std::string_view operator()(const model::Exception&) const { return "exception"; }
         std::string_view operator()(const model::Alias&) const { return "typedef"; }
-        std::string_view operator()(const model::Native&) const { return "native"; }
+        std::string_view operator()(const model::Unusable& type) const { return type.kind; }
         std::string_view operator()(const model::Forward&) const { return "forward"; }
         std::string_view operator()(const model::Interface&) const { return "interface"; }
     };

@@ -99,6 +99,7 @@ void Checker::declare(const ast::Declaration& declaration, const ast::Enum& enum
     model::Enum body;
     std::map<std::uint32_t, std::string> numbers;
     std::uint64_t next = 0;
+    bool has_default = false;
     for (const ast::Enumerator& enumerator : enumeration.enumerators) {
         check_annotations(enumerator.annotations, {"value", "default_literal"}, place.scope);
         // An enumerator's name belongs to the scope around the enum.
@@ -110,6 +111,10 @@ void Checker::declare(const ast::Declaration& declaration, const ast::Enum& enum
         symbol.enumerator = body.enumerators.size();
         place.scope.declare(std::move(symbol), diagnostics_);
         if (annotation_flag(enumerator.annotations, "default_literal")) {
+            if (has_default) {
+                diagnostics_.error(enumerator.name.where, "an enum has one @default_literal");
+            }
+            has_default = true;
             body.default_index = body.enumerators.size();
         }
         const auto given =
@@ -195,7 +200,23 @@ void Checker::declare(const ast::Declaration& declaration, const ast::Alias& ali
 void Checker::declare(const ast::Declaration& declaration, const ast::Native&, const Place& place) {
     check_annotations(declaration.annotations, {}, place.scope);
     model::Definition* definition = declare_name(declaration, Symbol::Kind::type, place);
-    if (definition != nullptr) definition->body = model::Native{};
+    if (definition != nullptr) definition->body = model::Unusable{"native"};
+}
+
+void Checker::declare(const ast::Declaration& declaration, const ast::ValueType&,
+                      const Place& place) {
+    // What other files declare is in nobody's way, until somebody uses it.
+    if (source_.in_main_file(declaration.name.where)) {
+        diagnostics_.error(declaration.name.where,
+                           "valuetypes are not supported (see doc/idl-support.md)");
+    }
+    const Symbol* known = place.scope.own(declaration.name.text);
+    if (known != nullptr && known->name == declaration.name.text && known->definition != nullptr &&
+        std::holds_alternative<model::Unusable>(known->definition->body)) {
+        return;  // forward declared before
+    }
+    model::Definition* definition = declare_name(declaration, Symbol::Kind::type, place);
+    if (definition != nullptr) definition->body = model::Unusable{"a valuetype"};
 }
 
 void Checker::declare(const ast::Declaration& declaration, const ast::AnnotationType&,

@@ -57,6 +57,8 @@ class Checker {
     void declare(const ast::Declaration& declaration, const ast::Alias& alias, const Place& place);
     void declare(const ast::Declaration& declaration, const ast::Native& native,
                  const Place& place);
+    void declare(const ast::Declaration& declaration, const ast::ValueType& value,
+                 const Place& place);
     void declare(const ast::Declaration& declaration, const ast::AnnotationType& annotation,
                  const Place& place);
     void check_interfaces_defined();
@@ -106,8 +108,10 @@ class Checker {
     Symbol* interface_symbol(const ast::Declaration& declaration, model::InterfaceKind kind,
                              const Place& place);
     void bases(const ast::Interface& interface, Scope& scope, model::Interface& body);
-    bool is_base_of_kind(const ast::ScopedName& name, const Symbol& base,
-                         const model::Interface& body);
+    /// The interface that a name stands for, perhaps by way of typedefs; null: something else.
+    const model::Definition* interface_of(const Symbol& symbol) const;
+    bool is_base_of_kind(const ast::ScopedName& name, const Symbol& symbol,
+                         const model::Definition& base, const model::Interface& body);
     void check_inherited_names(const ast::Declaration& declaration, const model::Interface& body);
     bool check_inherited_ids(const ast::Declaration& declaration, const model::Interface& body);
     void body(const ast::Interface& interface, model::Interface& body, const Place& place);
@@ -180,6 +184,8 @@ class Checker {
     std::vector<std::pair<const model::Definition*, Location>> forward_;
     /// Where repository ids were given by a directive.
     std::map<const model::Definition*, Location> given_ids_;
+    /// What the names of interfaces open: an alias of an interface can be inherited, too.
+    std::map<const model::Definition*, Scope*> interface_scopes_;
     /// What the ids of scopes begin with that have a typeprefix.
     std::map<const Scope*, std::string> type_prefixes_;
     /// Where each operation of the interface being read was declared, in the order of its ids.

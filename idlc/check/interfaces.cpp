@@ -41,6 +41,7 @@ Symbol* Checker::interface_symbol(const ast::Declaration& declaration, model::In
         &new_definition(declaration, {place.scope, place.parent, nowhere, place.prefix});
     declared->definition->body = model::Interface{kind, {}, {}, {}};
     declared->scope = &new_scope(Scope::Kind::interface, &place.scope, name);
+    interface_scopes_.emplace(declared->definition, declared->scope);
     incomplete_.insert(declared->definition);
     return declared;
 }
@@ -87,27 +88,37 @@ void Checker::bases(const ast::Interface& interface, Scope& scope, model::Interf
     for (const ast::ScopedName& name : interface.bases) {
         const Symbol* symbol = resolve(*scope.parent(), name, "interface", diagnostics_);
         if (symbol == nullptr) continue;
-        if (symbol->definition == nullptr || symbol->kind != Symbol::Kind::type ||
-            !std::holds_alternative<model::Interface>(symbol->definition->body)) {
+        const model::Definition* base = interface_of(*symbol);
+        if (base == nullptr) {
             diagnostics_.error(name.where(), quote(symbol->name) + " is not an interface");
             diagnostics_.note(symbol->where, "declared here");
-        } else if (incomplete_.count(symbol->definition) != 0) {
+        } else if (incomplete_.count(base) != 0) {
             diagnostics_.error(name.where(),
                                quote(symbol->name) + " must be defined before it can be inherited");
             diagnostics_.note(symbol->where, "only declared here");
-        } else if (std::find(body.bases.begin(), body.bases.end(), symbol->definition) !=
-                   body.bases.end()) {
+        } else if (std::find(body.bases.begin(), body.bases.end(), base) != body.bases.end()) {
             diagnostics_.error(name.where(), quote(symbol->name) + " is already a base");
-        } else if (is_base_of_kind(name, *symbol, body)) {
-            body.bases.push_back(symbol->definition);
-            scope.add_base(*symbol->scope);
+        } else if (is_base_of_kind(name, *symbol, *base, body)) {
+            body.bases.push_back(base);
+            scope.add_base(*interface_scopes_.at(base));
         }
     }
 }
 
-bool Checker::is_base_of_kind(const ast::ScopedName& name, const Symbol& base,
-                              const model::Interface& body) {
-    const model::InterfaceKind kind = std::get<model::Interface>(base.definition->body).kind;
+const model::Definition* Checker::interface_of(const Symbol& symbol) const {
+    if (symbol.definition == nullptr || symbol.kind != Symbol::Kind::type) return nullptr;
+    model::Type type;
+    type.kind = model::TypeKind::named;
+    type.definition = symbol.definition;
+    const model::Type& known = model::resolved(type);
+    const bool is_interface = known.kind == model::TypeKind::named &&
+                              std::holds_alternative<model::Interface>(known.definition->body);
+    return is_interface ? known.definition : nullptr;
+}
+
+bool Checker::is_base_of_kind(const ast::ScopedName& name, const Symbol& symbol,
+                              const model::Definition& base, const model::Interface& body) {
+    const model::InterfaceKind kind = std::get<model::Interface>(base.body).kind;
     std::string problem;
     if (kind == model::InterfaceKind::local && body.kind != model::InterfaceKind::local) {
         problem = " is local: only local interfaces can inherit it";
@@ -117,8 +128,8 @@ bool Checker::is_base_of_kind(const ast::ScopedName& name, const Symbol& base,
     } else {
         return true;
     }
-    diagnostics_.error(name.where(), quote(base.name) + problem);
-    diagnostics_.note(base.where, "declared here");
+    diagnostics_.error(name.where(), quote(symbol.name) + problem);
+    diagnostics_.note(symbol.where, "declared here");
     return false;
 }
 

@@ -100,11 +100,11 @@ void Checker::set_id(const ast::Declaration& declaration, const ast::IdDirective
         id = definition.repository_id.substr(0, definition.repository_id.rfind(':') + 1) +
              directive.text;
     }
-    if (id.find(':') == std::string::npos || id.find_first_of(" \t\"") != std::string::npos) {
-        diagnostics_.error(declaration.name.where, quote(id) +
-                                                       " is no repository id: it begins "
-                                                       "with its format, \"IDL:\"");
-        return;
+    if (id.find(':') == std::string::npos) {
+        diagnostics_.warning(declaration.name.where,
+                             quote(id) +
+                                 " is an odd repository id: others begin with their "
+                                 "format, \"IDL:\"");
     }
     const auto [given, first] = given_ids_.emplace(&definition, declaration.name.where);
     if (!first && id != definition.repository_id) {

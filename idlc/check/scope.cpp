@@ -150,7 +150,7 @@ std::string Scope::similar(std::string_view name) const {
                 }
                 if (key.size() > longest) continue;
                 const std::size_t changes = distance(lower_case(name), key);
-                if (changes >= least) continue;
+                if (changes == 0 || changes >= least) continue;
                 least = changes;
                 best = symbol.name;
             }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "idlc/check/checker.hpp"
@@ -207,10 +208,11 @@ std::optional<model::Type> Checker::named_type(const ast::Type& written, Scope& 
         diagnostics_.note(symbol->where, "declared here");
         return std::nullopt;
     }
-    if (std::holds_alternative<model::Native>(symbol->definition->body)) {
-        diagnostics_.error(written.where, quote(symbol->name) +
-                                              " is native: such types can be declared, but not "
-                                              "used (see doc/idl-support.md)");
+    if (const auto* unusable = std::get_if<model::Unusable>(&symbol->definition->body)) {
+        diagnostics_.error(written.where, quote(symbol->name) + " is " +
+                                              std::string{unusable->kind} +
+                                              ": such types can be declared, but not used (see "
+                                              "doc/idl-support.md)");
         diagnostics_.note(symbol->where, "declared here");
         return std::nullopt;
     }
@@ -244,15 +246,16 @@ std::optional<model::Type> Checker::array(model::Type element,
 
 std::optional<std::uint32_t> Checker::bound(const ast::Expression& expression, Scope& scope) {
     model::Type type;
-    type.kind = model::TypeKind::uint32;
+    type.kind = model::TypeKind::int64;
     const std::optional<model::Value> value = this->value(expression, type, scope);
     if (!value) return std::nullopt;
-    const auto number = static_cast<std::uint32_t>(std::get<std::uint64_t>(*value));
-    if (number == 0) {
-        diagnostics_.error(expression.where, "a bound or size is at least 1");
+    const auto number = std::get<std::int64_t>(*value);
+    if (number < 1 || number > std::numeric_limits<std::uint32_t>::max()) {
+        diagnostics_.error(expression.where, number < 1 ? "a bound or size is at least 1"
+                                                        : "a bound or size has 32 bits at most");
         return std::nullopt;
     }
-    return number;
+    return static_cast<std::uint32_t>(number);
 }
 
 std::optional<std::uint16_t> Checker::digits(const ast::Expression& expression, Scope& scope) {

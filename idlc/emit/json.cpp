@@ -178,7 +178,7 @@ struct Body {
         json["type"] = type(constant.type);
         json["value"] = value(constant.type, constant.value);
     }
-    void operator()(const model::Native&) const {}
+    void operator()(const model::Unusable&) const {}
     void operator()(const model::Module&) const {}
     void operator()(const model::Forward&) const {}
     void operator()(const model::Interface&) const {}

@@ -117,6 +117,7 @@ class Parser : public DataParser {
             error("there is no declaration here: leave this ';' out");
             return advance();
         }
+        if (is("valuetype") || is("custom")) return value_type(into, head);
         reject_unsupported();
         if (is_word("class")) fail("IDL has no 'class': write 'interface'");
         if (is("attribute") || is("readonly") || is("oneway") || is("void")) {
@@ -159,8 +160,19 @@ class Parser : public DataParser {
         into.push_back(at(where, std::move(directive)));
     }
 
+    /// Only its name: those that other files declare may be left alone.
+    void value_type(Declarations& into, const Head& head) {
+        if (!is("valuetype")) advance();
+        if (!take("valuetype")) fail_expected("'valuetype' after " + quote(tokens_[at_ - 1].text));
+        ast::Declaration value = declaration(head, identifier("the valuetype's name"));
+        while (!is(";") && !is("{") && !is("}") && !at_end()) advance();
+        if (is("{")) skip_block();
+        value.body = ast::ValueType{};
+        into.push_back(std::move(value));
+        expect_semicolon("the valuetype");
+    }
+
     void reject_unsupported() {
-        if (is("valuetype") || is("custom")) fail_unsupported("'valuetype'");
         if (is_word("import")) fail_unsupported("'import'");
         if (!is_name(next()) && !is(next(), "::")) {
             if (is_id_word()) fail_expected("a declaration");
@@ -214,9 +226,8 @@ class Parser : public DataParser {
         InterfaceKind kind = InterfaceKind::plain;
         if (!is("interface")) {
             kind = is("local") ? InterfaceKind::local : InterfaceKind::abstract;
-            if (is(next(), "valuetype") || is_word(next(), "eventtype")) {
-                fail_unsupported(quote(next().text));
-            }
+            if (is(next(), "valuetype")) return value_type(into, head);
+            if (is_word(next(), "eventtype")) fail_unsupported(quote(next().text));
             advance();
         }
         if (!take("interface")) {

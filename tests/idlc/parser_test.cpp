@@ -250,18 +250,18 @@ TEST(ParserTest, LeavesTheWordsOfLaterVersionsFree) {
          "interface A\n  typeid f(in typeid typeid)\n  attribute component home\n"},
         {"typedef Object _Factory; typedef Factory A; const long b = Factory;",
          "typedef Object Factory\ntypedef Factory A\nconst int32 b = Factory\n"},
+        // Of a valuetype no more than its name.
+        {"valuetype A : supports B { public long x; factory f(in long a); }; typedef long Z;",
+         "valuetype A\ntypedef int32 Z\n"},
+        {"valuetype A; valuetype A sequence<long>;", "valuetype A\nvaluetype A\n"},
+        {"abstract valuetype A { void f(); }; custom valuetype B { public long x; };",
+         "valuetype A\nvaluetype B\n"},
         {"typedef long int; struct S { int x; };", "typedef int32 int\nstruct S\n  int x\n"},
     });
 }
 
 TEST(ParserTest, NamesWhatIsNotSupportedOnce) {
     const char* const constructs[][2] = {
-        {"valuetype A : supports B { public long x; factory f(in long a); void g(); };",
-         "'valuetype'"},
-        {"valuetype A;", "'valuetype'"},
-        {"valuetype A sequence<long>;", "'valuetype'"},
-        {"abstract valuetype A { void f(); };", "'valuetype'"},
-        {"custom valuetype A { public long x; };", "'valuetype'"},
         {"eventtype A { public long x; };", "'eventtype'"},
         {"abstract eventtype A { };", "'eventtype'"},
         {"component A : B { provides C c; uses multiple D d; };", "'component'"},
