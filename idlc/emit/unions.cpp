@@ -21,12 +21,16 @@ bool can_be_empty(const model::Union& body) {
     return body.unlabelled.has_value();
 }
 
-/// Which alternative of the std::variant a value without a label selects. It may be one behind the
-/// last: then only a value that the discriminator's type does not have selects it.
+// The alternatives of the std::variant are no member, which is 0, and the members from 1. It asks
+// whether its first can be constructed when the class around may not be complete yet: a struct that
+// is nested there, and has initializers, cannot yet.
+
+/// Which alternative a value without a label selects.
 std::size_t unlabelled_index(const model::Union& body) {
-    std::size_t index = 0;
-    while (index < body.cases.size() && !body.cases[index].is_default) ++index;
-    return index;
+    for (std::size_t i = 0; i < body.cases.size(); ++i) {
+        if (body.cases[i].is_default) return i + 1;
+    }
+    return 0;
 }
 
 /// A name for a parameter that is not the union's own.
@@ -60,10 +64,10 @@ std::string selection(const model::Definition& definition, const Names& names,
         const model::UnionCase& one = body.cases[i];
         if (one.is_default) continue;
         for (const model::Value& label : one.labels) {
-            if (const bool* value = std::get_if<bool>(&label)) of_bool[*value ? 1 : 0] = i;
+            if (const bool* value = std::get_if<bool>(&label)) of_bool[*value ? 1 : 0] = i + 1;
             cases += "case " + names.value(label, body.discriminator, context) + ":\n";
         }
-        cases += "    return " + std::to_string(i) + ";\n";
+        cases += "    return " + std::to_string(i + 1) + ";\n";
     }
     if (model::resolved(body.discriminator).kind == model::TypeKind::boolean) {
         return "return " + discriminator + " ? " + std::to_string(of_bool[1]) + " : " +
@@ -109,7 +113,7 @@ std::string member_functions(const model::Definition& definition, std::size_t in
     const std::string value = parameter("value", definition);
     const std::string moved = is_scalar ? value : "std::move(" + value + ')';
     const model::Value& label = one.labels.empty() ? *body.unlabelled : one.labels.front();
-    const std::string of_index = std::to_string(index);
+    const std::string of_index = std::to_string(index + 1);
     const std::string full = full_name(definition, one.member.name);
     const bool has_choice = one.is_default || one.labels.size() > 1;
     const std::string labelled =
@@ -140,7 +144,7 @@ std::string member_functions(const model::Definition& definition, std::size_t in
 constexpr std::string_view empty_piece = R"(
 /// No member.
 void _default() {
-    _members.emplace<$index$>();
+    _members.emplace<0>();
     _discriminator = $label$;
 }
 )";
@@ -194,14 +198,13 @@ class $head$ {
 )";
 
 std::string storage(const model::Union& body, const Names& names, const Context& context) {
-    std::vector<std::string> types;
+    std::vector<std::string> types{"std::monostate"};
     for (const model::UnionCase& one : body.cases) {
         types.push_back(names.type(one.member.type, context));
     }
-    if (can_be_empty(body)) types.emplace_back("std::monostate");
     const std::string initial = initial_value(body.cases.front().member, names, context);
-    return "std::variant<" + folded(types, 32, std::string(13, ' ')) + "> _members" +
-           (initial.empty() ? "" : "{std::in_place_index<0>, " + initial + '}') + ';';
+    return "std::variant<" + folded(types, 32, std::string(13, ' ')) +
+           "> _members{std::in_place_index<1>" + (initial.empty() ? "" : ", " + initial) + "};";
 }
 
 constexpr std::string_view codec_piece = R"(
@@ -238,9 +241,7 @@ std::string union_declaration(const model::Definition& definition, const Names& 
     }
     if (can_be_empty(body)) {
         const std::string label = names.value(*body.unlabelled, body.discriminator, context);
-        members +=
-            fill(empty_piece, {{"index", std::to_string(body.cases.size())}, {"label", label}}) +
-            '\n';
+        members += fill(empty_piece, {{"label", label}}) + '\n';
     }
     const model::UnionCase& first = body.cases.front();
     const model::Value& label = first.labels.empty() ? *body.unlabelled : first.labels.front();
@@ -263,7 +264,7 @@ std::string union_codec(const model::Definition& definition, const Names& names)
     std::string decodes;
     for (std::size_t i = 0; i < body.cases.size(); ++i) {
         const model::Type& type = body.cases[i].member.type;
-        const std::string index = std::to_string(i);
+        const std::string index = std::to_string(i + 1);
         const std::string head = "case " + index + ":\n    return ";
         encodes += head + "encode(out, " +
                    coded(type, "*std::get_if<" + index + ">(&value._members)") + ");\n";
@@ -272,8 +273,7 @@ std::string union_codec(const model::Definition& definition, const Names& names)
     }
     const bool is_recursive = model::is_recursive(definition);
     const bool can_be_empty = emit::can_be_empty(body);
-    const std::string empty =
-        "value._members.emplace<" + std::to_string(body.cases.size()) + ">();";
+    const std::string empty = "value._members.emplace<0>();";
     return fill(codec_piece, {{"name", names.spell(definition, around_codec(definition))},
                               {"encode_nesting", is_recursive ? nesting("out") : ""},
                               {"decode_nesting", is_recursive ? nesting("in") : ""},

@@ -41,7 +41,7 @@ Stream& print_union(Stream& out, const Discriminator& discriminator,
     print(out, discriminator);
     const auto print_member = [&](const auto& member) {
         if constexpr (!std::is_same_v<decltype(member), const std::monostate&>) {
-            out << ", " << names.begin()[members.index()] << ": ";
+            out << ", " << names.begin()[members.index() - 1] << ": ";
             print(out, member);
         }
     };

@@ -200,10 +200,10 @@ void decode(canorb::ccdr::Decoder& in, Broken& value) {
 void encode(canorb::ccdr::Encoder& out, const Reading& value) {
     encode(out, value._discriminator);
     switch (value._members.index()) {
-        case 0:
-            return encode(out, *std::get_if<0>(&value._members));
         case 1:
-            return encode(out, canorb::ccdr::bounded<400>(*std::get_if<1>(&value._members)));
+            return encode(out, *std::get_if<1>(&value._members));
+        case 2:
+            return encode(out, canorb::ccdr::bounded<400>(*std::get_if<2>(&value._members)));
         default:
             return out.fail();
     }
@@ -212,10 +212,10 @@ void encode(canorb::ccdr::Encoder& out, const Reading& value) {
 void decode(canorb::ccdr::Decoder& in, Reading& value) {
     decode(in, value._discriminator);
     switch (Reading::_selected_by(value._discriminator)) {
-        case 0:
-            return decode(in, value._members.emplace<0>());
         case 1:
-            return decode(in, canorb::ccdr::bounded<400>(value._members.emplace<1>()));
+            return decode(in, value._members.emplace<1>());
+        case 2:
+            return decode(in, canorb::ccdr::bounded<400>(value._members.emplace<2>()));
         default:
             return in.fail();
     }
@@ -224,12 +224,12 @@ void decode(canorb::ccdr::Decoder& in, Reading& value) {
 void encode(canorb::ccdr::Encoder& out, const Choice& value) {
     encode(out, value._discriminator);
     switch (value._members.index()) {
-        case 0:
-            return encode(out, *std::get_if<0>(&value._members));
         case 1:
             return encode(out, *std::get_if<1>(&value._members));
         case 2:
             return encode(out, *std::get_if<2>(&value._members));
+        case 3:
+            return encode(out, *std::get_if<3>(&value._members));
         default:
             return out.fail();
     }
@@ -238,12 +238,12 @@ void encode(canorb::ccdr::Encoder& out, const Choice& value) {
 void decode(canorb::ccdr::Decoder& in, Choice& value) {
     decode(in, value._discriminator);
     switch (Choice::_selected_by(value._discriminator)) {
-        case 0:
-            return decode(in, value._members.emplace<0>());
         case 1:
             return decode(in, value._members.emplace<1>());
         case 2:
             return decode(in, value._members.emplace<2>());
+        case 3:
+            return decode(in, value._members.emplace<3>());
         default:
             return in.fail();
     }
@@ -252,8 +252,8 @@ void decode(canorb::ccdr::Decoder& in, Choice& value) {
 void encode(canorb::ccdr::Encoder& out, const Maybe& value) {
     encode(out, value._discriminator);
     switch (value._members.index()) {
-        case 0:
-            return encode(out, *std::get_if<0>(&value._members));
+        case 1:
+            return encode(out, *std::get_if<1>(&value._members));
         default:
             return;
     }
@@ -262,22 +262,22 @@ void encode(canorb::ccdr::Encoder& out, const Maybe& value) {
 void decode(canorb::ccdr::Decoder& in, Maybe& value) {
     decode(in, value._discriminator);
     switch (Maybe::_selected_by(value._discriminator)) {
-        case 0:
-            return decode(in, value._members.emplace<0>());
+        case 1:
+            return decode(in, value._members.emplace<1>());
         default:
-            value._members.emplace<1>();
+            value._members.emplace<0>();
     }
 }
 
 void encode(canorb::ccdr::Encoder& out, const Letters& value) {
     encode(out, value._discriminator);
     switch (value._members.index()) {
-        case 0:
-            return encode(out, *std::get_if<0>(&value._members));
         case 1:
             return encode(out, *std::get_if<1>(&value._members));
         case 2:
             return encode(out, *std::get_if<2>(&value._members));
+        case 3:
+            return encode(out, *std::get_if<3>(&value._members));
         default:
             return;
     }
@@ -286,22 +286,22 @@ void encode(canorb::ccdr::Encoder& out, const Letters& value) {
 void decode(canorb::ccdr::Decoder& in, Letters& value) {
     decode(in, value._discriminator);
     switch (Letters::_selected_by(value._discriminator)) {
-        case 0:
-            return decode(in, value._members.emplace<0>());
         case 1:
             return decode(in, value._members.emplace<1>());
         case 2:
             return decode(in, value._members.emplace<2>());
+        case 3:
+            return decode(in, value._members.emplace<3>());
         default:
-            value._members.emplace<3>();
+            value._members.emplace<0>();
     }
 }
 
 void encode(canorb::ccdr::Encoder& out, const Wides& value) {
     encode(out, value._discriminator);
     switch (value._members.index()) {
-        case 0:
-            return encode(out, *std::get_if<0>(&value._members));
+        case 1:
+            return encode(out, *std::get_if<1>(&value._members));
         default:
             return;
     }
@@ -310,18 +310,18 @@ void encode(canorb::ccdr::Encoder& out, const Wides& value) {
 void decode(canorb::ccdr::Decoder& in, Wides& value) {
     decode(in, value._discriminator);
     switch (Wides::_selected_by(value._discriminator)) {
-        case 0:
-            return decode(in, value._members.emplace<0>());
+        case 1:
+            return decode(in, value._members.emplace<1>());
         default:
-            value._members.emplace<1>();
+            value._members.emplace<0>();
     }
 }
 
 void encode(canorb::ccdr::Encoder& out, const Longs& value) {
     encode(out, value._discriminator);
     switch (value._members.index()) {
-        case 0:
-            return encode(out, *std::get_if<0>(&value._members));
+        case 1:
+            return encode(out, *std::get_if<1>(&value._members));
         default:
             return;
     }
@@ -330,18 +330,18 @@ void encode(canorb::ccdr::Encoder& out, const Longs& value) {
 void decode(canorb::ccdr::Decoder& in, Longs& value) {
     decode(in, value._discriminator);
     switch (Longs::_selected_by(value._discriminator)) {
-        case 0:
-            return decode(in, value._members.emplace<0>());
+        case 1:
+            return decode(in, value._members.emplace<1>());
         default:
-            value._members.emplace<1>();
+            value._members.emplace<0>();
     }
 }
 
 void encode(canorb::ccdr::Encoder& out, const Counts& value) {
     encode(out, value._discriminator);
     switch (value._members.index()) {
-        case 0:
-            return encode(out, *std::get_if<0>(&value._members));
+        case 1:
+            return encode(out, *std::get_if<1>(&value._members));
         default:
             return;
     }
@@ -350,20 +350,20 @@ void encode(canorb::ccdr::Encoder& out, const Counts& value) {
 void decode(canorb::ccdr::Decoder& in, Counts& value) {
     decode(in, value._discriminator);
     switch (Counts::_selected_by(value._discriminator)) {
-        case 0:
-            return decode(in, value._members.emplace<0>());
+        case 1:
+            return decode(in, value._members.emplace<1>());
         default:
-            value._members.emplace<1>();
+            value._members.emplace<0>();
     }
 }
 
 void encode(canorb::ccdr::Encoder& out, const Tiny& value) {
     encode(out, value._discriminator);
     switch (value._members.index()) {
-        case 0:
-            return encode(out, *std::get_if<0>(&value._members));
         case 1:
             return encode(out, *std::get_if<1>(&value._members));
+        case 2:
+            return encode(out, *std::get_if<2>(&value._members));
         default:
             return out.fail();
     }
@@ -372,10 +372,10 @@ void encode(canorb::ccdr::Encoder& out, const Tiny& value) {
 void decode(canorb::ccdr::Decoder& in, Tiny& value) {
     decode(in, value._discriminator);
     switch (Tiny::_selected_by(value._discriminator)) {
-        case 0:
-            return decode(in, value._members.emplace<0>());
         case 1:
             return decode(in, value._members.emplace<1>());
+        case 2:
+            return decode(in, value._members.emplace<2>());
         default:
             return in.fail();
     }
@@ -384,10 +384,10 @@ void decode(canorb::ccdr::Decoder& in, Tiny& value) {
 void encode(canorb::ccdr::Encoder& out, const Gears& value) {
     encode(out, value._discriminator);
     switch (value._members.index()) {
-        case 0:
-            return encode(out, *std::get_if<0>(&value._members));
         case 1:
             return encode(out, *std::get_if<1>(&value._members));
+        case 2:
+            return encode(out, *std::get_if<2>(&value._members));
         default:
             return out.fail();
     }
@@ -396,10 +396,10 @@ void encode(canorb::ccdr::Encoder& out, const Gears& value) {
 void decode(canorb::ccdr::Decoder& in, Gears& value) {
     decode(in, value._discriminator);
     switch (Gears::_selected_by(value._discriminator)) {
-        case 0:
-            return decode(in, value._members.emplace<0>());
         case 1:
             return decode(in, value._members.emplace<1>());
+        case 2:
+            return decode(in, value._members.emplace<2>());
         default:
             return in.fail();
     }
@@ -424,12 +424,12 @@ void encode(canorb::ccdr::Encoder& out, const Expression& value) {
     if (!nesting) return;
     encode(out, value._discriminator);
     switch (value._members.index()) {
-        case 0:
-            return encode(out, *std::get_if<0>(&value._members));
         case 1:
             return encode(out, *std::get_if<1>(&value._members));
         case 2:
             return encode(out, *std::get_if<2>(&value._members));
+        case 3:
+            return encode(out, *std::get_if<3>(&value._members));
         default:
             return;
     }
@@ -440,14 +440,14 @@ void decode(canorb::ccdr::Decoder& in, Expression& value) {
     if (!nesting) return;
     decode(in, value._discriminator);
     switch (Expression::_selected_by(value._discriminator)) {
-        case 0:
-            return decode(in, value._members.emplace<0>());
         case 1:
             return decode(in, value._members.emplace<1>());
         case 2:
             return decode(in, value._members.emplace<2>());
+        case 3:
+            return decode(in, value._members.emplace<3>());
         default:
-            value._members.emplace<3>();
+            value._members.emplace<0>();
     }
 }
 
@@ -474,8 +474,8 @@ void decode(canorb::ccdr::Decoder& in, Inner::Side& value) {
 void encode(canorb::ccdr::Encoder& out, const Inner::Again& value) {
     encode(out, value._discriminator);
     switch (value._members.index()) {
-        case 0:
-            return encode(out, *std::get_if<0>(&value._members));
+        case 1:
+            return encode(out, *std::get_if<1>(&value._members));
         default:
             return;
     }
@@ -484,20 +484,20 @@ void encode(canorb::ccdr::Encoder& out, const Inner::Again& value) {
 void decode(canorb::ccdr::Decoder& in, Inner::Again& value) {
     decode(in, value._discriminator);
     switch (Inner::Again::_selected_by(value._discriminator)) {
-        case 0:
-            return decode(in, value._members.emplace<0>());
+        case 1:
+            return decode(in, value._members.emplace<1>());
         default:
-            value._members.emplace<1>();
+            value._members.emplace<0>();
     }
 }
 
 void encode(canorb::ccdr::Encoder& out, const Inner& value) {
     encode(out, value._discriminator);
     switch (value._members.index()) {
-        case 0:
-            return encode(out, *std::get_if<0>(&value._members));
         case 1:
             return encode(out, *std::get_if<1>(&value._members));
+        case 2:
+            return encode(out, *std::get_if<2>(&value._members));
         default:
             return out.fail();
     }
@@ -506,10 +506,10 @@ void encode(canorb::ccdr::Encoder& out, const Inner& value) {
 void decode(canorb::ccdr::Decoder& in, Inner& value) {
     decode(in, value._discriminator);
     switch (Inner::_selected_by(value._discriminator)) {
-        case 0:
-            return decode(in, value._members.emplace<0>());
         case 1:
             return decode(in, value._members.emplace<1>());
+        case 2:
+            return decode(in, value._members.emplace<2>());
         default:
             return in.fail();
     }
@@ -528,10 +528,10 @@ void decode(canorb::ccdr::Decoder& in, Stock& value) {
 void encode(canorb::ccdr::Encoder& out, const Stock::Found& value) {
     encode(out, value._discriminator);
     switch (value._members.index()) {
-        case 0:
-            return encode(out, *std::get_if<0>(&value._members));
         case 1:
             return encode(out, *std::get_if<1>(&value._members));
+        case 2:
+            return encode(out, *std::get_if<2>(&value._members));
         default:
             return out.fail();
     }
@@ -540,10 +540,10 @@ void encode(canorb::ccdr::Encoder& out, const Stock::Found& value) {
 void decode(canorb::ccdr::Decoder& in, Stock::Found& value) {
     decode(in, value._discriminator);
     switch (Stock::Found::_selected_by(value._discriminator)) {
-        case 0:
-            return decode(in, value._members.emplace<0>());
         case 1:
             return decode(in, value._members.emplace<1>());
+        case 2:
+            return decode(in, value._members.emplace<2>());
         default:
             return in.fail();
     }
@@ -579,10 +579,10 @@ void decode(canorb::ccdr::Decoder& in, Stock::Missing& value) {
 void encode(canorb::ccdr::Encoder& out, const Stock::Next& value) {
     encode(out, value._discriminator);
     switch (value._members.index()) {
-        case 0:
-            return encode(out, *std::get_if<0>(&value._members));
         case 1:
             return encode(out, *std::get_if<1>(&value._members));
+        case 2:
+            return encode(out, *std::get_if<2>(&value._members));
         default:
             return out.fail();
     }
@@ -591,10 +591,10 @@ void encode(canorb::ccdr::Encoder& out, const Stock::Next& value) {
 void decode(canorb::ccdr::Decoder& in, Stock::Next& value) {
     decode(in, value._discriminator);
     switch (Stock::Next::_selected_by(value._discriminator)) {
-        case 0:
-            return decode(in, value._members.emplace<0>());
         case 1:
             return decode(in, value._members.emplace<1>());
+        case 2:
+            return decode(in, value._members.emplace<2>());
         default:
             return in.fail();
     }
@@ -621,12 +621,12 @@ void encode(canorb::ccdr::Encoder& out, const Awkward::value& value) {
     if (!nesting) return;
     encode(out, value._discriminator);
     switch (value._members.index()) {
-        case 0:
-            return encode(out, *std::get_if<0>(&value._members));
         case 1:
             return encode(out, *std::get_if<1>(&value._members));
         case 2:
             return encode(out, *std::get_if<2>(&value._members));
+        case 3:
+            return encode(out, *std::get_if<3>(&value._members));
         default:
             return;
     }
@@ -637,14 +637,14 @@ void decode(canorb::ccdr::Decoder& in, Awkward::value& value) {
     if (!nesting) return;
     decode(in, value._discriminator);
     switch (Awkward::value::_selected_by(value._discriminator)) {
-        case 0:
-            return decode(in, value._members.emplace<0>());
         case 1:
             return decode(in, value._members.emplace<1>());
         case 2:
             return decode(in, value._members.emplace<2>());
+        case 3:
+            return decode(in, value._members.emplace<3>());
         default:
-            value._members.emplace<3>();
+            value._members.emplace<0>();
     }
 }
 
@@ -675,10 +675,10 @@ void decode(canorb::ccdr::Decoder& in, Awkward::reference& value) {
 void encode(canorb::ccdr::Encoder& out, const Words& value) {
     encode(out, value._discriminator);
     switch (value._members.index()) {
-        case 0:
-            return encode(out, *std::get_if<0>(&value._members));
         case 1:
             return encode(out, *std::get_if<1>(&value._members));
+        case 2:
+            return encode(out, *std::get_if<2>(&value._members));
         default:
             return;
     }
@@ -687,12 +687,12 @@ void encode(canorb::ccdr::Encoder& out, const Words& value) {
 void decode(canorb::ccdr::Decoder& in, Words& value) {
     decode(in, value._discriminator);
     switch (Words::_selected_by(value._discriminator)) {
-        case 0:
-            return decode(in, value._members.emplace<0>());
         case 1:
             return decode(in, value._members.emplace<1>());
+        case 2:
+            return decode(in, value._members.emplace<2>());
         default:
-            value._members.emplace<2>();
+            value._members.emplace<0>();
     }
 }
 

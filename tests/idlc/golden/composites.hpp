@@ -360,22 +360,22 @@ class Reading {
 
     /// In volts.
     void voltage(double value) {
-        _members.emplace<0>(value);
+        _members.emplace<1>(value);
         _discriminator = Mode::IDLE;
     }
     double voltage() const {
-        return canorb::union_member<0>(_members, "Parts::Reading::voltage");
+        return canorb::union_member<1>(_members, "Parts::Reading::voltage");
     }
-    double& voltage() { return canorb::union_member<0>(_members, "Parts::Reading::voltage"); }
+    double& voltage() { return canorb::union_member<1>(_members, "Parts::Reading::voltage"); }
 
     void text(std::string value) {
-        _members.emplace<1>(std::move(value));
+        _members.emplace<2>(std::move(value));
         _discriminator = Mode::RUN;
     }
     const std::string& text() const {
-        return canorb::union_member<1>(_members, "Parts::Reading::text");
+        return canorb::union_member<2>(_members, "Parts::Reading::text");
     }
-    std::string& text() { return canorb::union_member<1>(_members, "Parts::Reading::text"); }
+    std::string& text() { return canorb::union_member<2>(_members, "Parts::Reading::text"); }
 
     friend bool operator==(const Reading&, const Reading&) = default;
     friend void encode(canorb::ccdr::Encoder& out, const Reading& value);
@@ -390,16 +390,16 @@ class Reading {
     static constexpr std::size_t _selected_by(Mode discriminator) {
         switch (discriminator) {
             case Mode::IDLE:
-                return 0;
-            case Mode::RUN:
                 return 1;
-            default:
+            case Mode::RUN:
                 return 2;
+            default:
+                return 0;
         }
     }
 
     Mode _discriminator = Mode::IDLE;
-    std::variant<double, std::string> _members;
+    std::variant<std::monostate, double, std::string> _members{std::in_place_index<1>};
 };
 void encode(canorb::ccdr::Encoder& out, const Reading& value);
 void decode(canorb::ccdr::Decoder& in, Reading& value);
@@ -421,45 +421,45 @@ class Choice {
 
     /// Of one and two.
     void number(std::int32_t value) {
-        _members.emplace<0>(value);
+        _members.emplace<1>(value);
         _discriminator = 1;
     }
     void number(std::int32_t value, std::int32_t discriminator) {
-        canorb::check_selected(_selected_by(discriminator) == 0, "Parts::Choice::number");
-        _members.emplace<0>(value);
+        canorb::check_selected(_selected_by(discriminator) == 1, "Parts::Choice::number");
+        _members.emplace<1>(value);
         _discriminator = discriminator;
     }
     std::int32_t number() const {
-        return canorb::union_member<0>(_members, "Parts::Choice::number");
+        return canorb::union_member<1>(_members, "Parts::Choice::number");
     }
     std::int32_t& number() {
-        return canorb::union_member<0>(_members, "Parts::Choice::number");
+        return canorb::union_member<1>(_members, "Parts::Choice::number");
     }
 
     void octets(std::vector<std::uint8_t> value) {
-        _members.emplace<1>(std::move(value));
+        _members.emplace<2>(std::move(value));
         _discriminator = -2147483648;
     }
     const std::vector<std::uint8_t>& octets() const {
-        return canorb::union_member<1>(_members, "Parts::Choice::octets");
+        return canorb::union_member<2>(_members, "Parts::Choice::octets");
     }
     std::vector<std::uint8_t>& octets() {
-        return canorb::union_member<1>(_members, "Parts::Choice::octets");
+        return canorb::union_member<2>(_members, "Parts::Choice::octets");
     }
 
     void whole(Part value) {
-        _members.emplace<2>(std::move(value));
+        _members.emplace<3>(std::move(value));
         _discriminator = 0;
     }
     void whole(Part value, std::int32_t discriminator) {
-        canorb::check_selected(_selected_by(discriminator) == 2, "Parts::Choice::whole");
-        _members.emplace<2>(std::move(value));
+        canorb::check_selected(_selected_by(discriminator) == 3, "Parts::Choice::whole");
+        _members.emplace<3>(std::move(value));
         _discriminator = discriminator;
     }
     const Part& whole() const {
-        return canorb::union_member<2>(_members, "Parts::Choice::whole");
+        return canorb::union_member<3>(_members, "Parts::Choice::whole");
     }
-    Part& whole() { return canorb::union_member<2>(_members, "Parts::Choice::whole"); }
+    Part& whole() { return canorb::union_member<3>(_members, "Parts::Choice::whole"); }
 
     friend bool operator==(const Choice&, const Choice&) = default;
     friend void encode(canorb::ccdr::Encoder& out, const Choice& value);
@@ -475,16 +475,17 @@ class Choice {
         switch (discriminator) {
             case 1:
             case 2:
-                return 0;
-            case -2147483648:
                 return 1;
-            default:
+            case -2147483648:
                 return 2;
+            default:
+                return 3;
         }
     }
 
     std::int32_t _discriminator = 1;
-    std::variant<std::int32_t, std::vector<std::uint8_t>, Part> _members;
+    std::variant<std::monostate, std::int32_t, std::vector<std::uint8_t>,
+                 Part> _members{std::in_place_index<1>};
 };
 void encode(canorb::ccdr::Encoder& out, const Choice& value);
 void decode(canorb::ccdr::Decoder& in, Choice& value);
@@ -509,15 +510,15 @@ class Maybe {
     }
 
     void given(Gear value) {
-        _members.emplace<0>(value);
+        _members.emplace<1>(value);
         _discriminator = true;
     }
-    Gear given() const { return canorb::union_member<0>(_members, "Parts::Maybe::given"); }
-    Gear& given() { return canorb::union_member<0>(_members, "Parts::Maybe::given"); }
+    Gear given() const { return canorb::union_member<1>(_members, "Parts::Maybe::given"); }
+    Gear& given() { return canorb::union_member<1>(_members, "Parts::Maybe::given"); }
 
     /// No member.
     void _default() {
-        _members.emplace<1>();
+        _members.emplace<0>();
         _discriminator = false;
     }
 
@@ -532,11 +533,11 @@ class Maybe {
 
   private:
     static constexpr std::size_t _selected_by(bool discriminator) {
-        return discriminator ? 0 : 1;
+        return discriminator ? 1 : 0;
     }
 
     bool _discriminator = true;
-    std::variant<Gear, std::monostate> _members{std::in_place_index<0>, Gear::NEUTRAL};
+    std::variant<std::monostate, Gear> _members{std::in_place_index<1>, Gear::NEUTRAL};
 };
 void encode(canorb::ccdr::Encoder& out, const Maybe& value);
 void decode(canorb::ccdr::Decoder& in, Maybe& value);
@@ -557,46 +558,46 @@ class Letters {
     }
 
     void value(std::int16_t value) {
-        _members.emplace<0>(value);
+        _members.emplace<1>(value);
         _discriminator = 'a';
     }
     void value(std::int16_t value, char discriminator) {
-        canorb::check_selected(_selected_by(discriminator) == 0, "Parts::Letters::value");
-        _members.emplace<0>(value);
+        canorb::check_selected(_selected_by(discriminator) == 1, "Parts::Letters::value");
+        _members.emplace<1>(value);
         _discriminator = discriminator;
     }
     std::int16_t value() const {
-        return canorb::union_member<0>(_members, "Parts::Letters::value");
+        return canorb::union_member<1>(_members, "Parts::Letters::value");
     }
     std::int16_t& value() {
-        return canorb::union_member<0>(_members, "Parts::Letters::value");
+        return canorb::union_member<1>(_members, "Parts::Letters::value");
     }
 
     void discriminator(std::int16_t value) {
-        _members.emplace<1>(value);
+        _members.emplace<2>(value);
         _discriminator = '\377';
     }
     std::int16_t discriminator() const {
-        return canorb::union_member<1>(_members, "Parts::Letters::discriminator");
+        return canorb::union_member<2>(_members, "Parts::Letters::discriminator");
     }
     std::int16_t& discriminator() {
-        return canorb::union_member<1>(_members, "Parts::Letters::discriminator");
+        return canorb::union_member<2>(_members, "Parts::Letters::discriminator");
     }
 
     void encode(std::string value) {
-        _members.emplace<2>(std::move(value));
+        _members.emplace<3>(std::move(value));
         _discriminator = 'v';
     }
     const std::string& encode() const {
-        return canorb::union_member<2>(_members, "Parts::Letters::encode");
+        return canorb::union_member<3>(_members, "Parts::Letters::encode");
     }
     std::string& encode() {
-        return canorb::union_member<2>(_members, "Parts::Letters::encode");
+        return canorb::union_member<3>(_members, "Parts::Letters::encode");
     }
 
     /// No member.
     void _default() {
-        _members.emplace<3>();
+        _members.emplace<0>();
         _discriminator = '\000';
     }
 
@@ -614,18 +615,18 @@ class Letters {
         switch (discriminator) {
             case 'a':
             case 'b':
-                return 0;
-            case '\377':
                 return 1;
-            case 'v':
+            case '\377':
                 return 2;
-            default:
+            case 'v':
                 return 3;
+            default:
+                return 0;
         }
     }
 
     char _discriminator = 'a';
-    std::variant<std::int16_t, std::int16_t, std::string, std::monostate> _members;
+    std::variant<std::monostate, std::int16_t, std::int16_t, std::string> _members{std::in_place_index<1>};
 };
 void encode(canorb::ccdr::Encoder& out, const Letters& value);
 void decode(canorb::ccdr::Decoder& in, Letters& value);
@@ -646,15 +647,15 @@ class Wides {
     }
 
     void money(float value) {
-        _members.emplace<0>(value);
+        _members.emplace<1>(value);
         _discriminator = char16_t{8364};
     }
-    float money() const { return canorb::union_member<0>(_members, "Parts::Wides::money"); }
-    float& money() { return canorb::union_member<0>(_members, "Parts::Wides::money"); }
+    float money() const { return canorb::union_member<1>(_members, "Parts::Wides::money"); }
+    float& money() { return canorb::union_member<1>(_members, "Parts::Wides::money"); }
 
     /// No member.
     void _default() {
-        _members.emplace<1>();
+        _members.emplace<0>();
         _discriminator = u'\000';
     }
 
@@ -671,14 +672,14 @@ class Wides {
     static constexpr std::size_t _selected_by(char16_t discriminator) {
         switch (discriminator) {
             case char16_t{8364}:
-                return 0;
-            default:
                 return 1;
+            default:
+                return 0;
         }
     }
 
     char16_t _discriminator = char16_t{8364};
-    std::variant<float, std::monostate> _members;
+    std::variant<std::monostate, float> _members{std::in_place_index<1>};
 };
 void encode(canorb::ccdr::Encoder& out, const Wides& value);
 void decode(canorb::ccdr::Decoder& in, Wides& value);
@@ -698,20 +699,20 @@ class Longs {
     }
 
     void one(std::uint8_t value) {
-        _members.emplace<0>(value);
+        _members.emplace<1>(value);
         _discriminator = -9223372036854775807 - 1;
     }
     void one(std::uint8_t value, std::int64_t discriminator) {
-        canorb::check_selected(_selected_by(discriminator) == 0, "Parts::Longs::one");
-        _members.emplace<0>(value);
+        canorb::check_selected(_selected_by(discriminator) == 1, "Parts::Longs::one");
+        _members.emplace<1>(value);
         _discriminator = discriminator;
     }
-    std::uint8_t one() const { return canorb::union_member<0>(_members, "Parts::Longs::one"); }
-    std::uint8_t& one() { return canorb::union_member<0>(_members, "Parts::Longs::one"); }
+    std::uint8_t one() const { return canorb::union_member<1>(_members, "Parts::Longs::one"); }
+    std::uint8_t& one() { return canorb::union_member<1>(_members, "Parts::Longs::one"); }
 
     /// No member.
     void _default() {
-        _members.emplace<1>();
+        _members.emplace<0>();
         _discriminator = 0;
     }
 
@@ -729,14 +730,14 @@ class Longs {
         switch (discriminator) {
             case -9223372036854775807 - 1:
             case 1:
-                return 0;
-            default:
                 return 1;
+            default:
+                return 0;
         }
     }
 
     std::int64_t _discriminator = -9223372036854775807 - 1;
-    std::variant<std::uint8_t, std::monostate> _members;
+    std::variant<std::monostate, std::uint8_t> _members{std::in_place_index<1>};
 };
 void encode(canorb::ccdr::Encoder& out, const Longs& value);
 void decode(canorb::ccdr::Decoder& in, Longs& value);
@@ -757,17 +758,17 @@ class Counts {
     }
 
     void all(std::uint8_t value) {
-        _members.emplace<0>(value);
+        _members.emplace<1>(value);
         _discriminator = 18446744073709551615U;
     }
     std::uint8_t all() const {
-        return canorb::union_member<0>(_members, "Parts::Counts::all");
+        return canorb::union_member<1>(_members, "Parts::Counts::all");
     }
-    std::uint8_t& all() { return canorb::union_member<0>(_members, "Parts::Counts::all"); }
+    std::uint8_t& all() { return canorb::union_member<1>(_members, "Parts::Counts::all"); }
 
     /// No member.
     void _default() {
-        _members.emplace<1>();
+        _members.emplace<0>();
         _discriminator = 0;
     }
 
@@ -784,14 +785,14 @@ class Counts {
     static constexpr std::size_t _selected_by(std::uint64_t discriminator) {
         switch (discriminator) {
             case 18446744073709551615U:
-                return 0;
-            default:
                 return 1;
+            default:
+                return 0;
         }
     }
 
     std::uint64_t _discriminator = 18446744073709551615U;
-    std::variant<std::uint8_t, std::monostate> _members;
+    std::variant<std::monostate, std::uint8_t> _members{std::in_place_index<1>};
 };
 void encode(canorb::ccdr::Encoder& out, const Counts& value);
 void decode(canorb::ccdr::Decoder& in, Counts& value);
@@ -812,25 +813,25 @@ class Tiny {
     }
 
     void minus(float value) {
-        _members.emplace<0>(value);
+        _members.emplace<1>(value);
         _discriminator = -1;
     }
-    float minus() const { return canorb::union_member<0>(_members, "Parts::Tiny::minus"); }
-    float& minus() { return canorb::union_member<0>(_members, "Parts::Tiny::minus"); }
+    float minus() const { return canorb::union_member<1>(_members, "Parts::Tiny::minus"); }
+    float& minus() { return canorb::union_member<1>(_members, "Parts::Tiny::minus"); }
 
     void none(Nothing value) {
-        _members.emplace<1>(std::move(value));
+        _members.emplace<2>(std::move(value));
         _discriminator = 0;
     }
     void none(Nothing value, std::int8_t discriminator) {
-        canorb::check_selected(_selected_by(discriminator) == 1, "Parts::Tiny::none");
-        _members.emplace<1>(std::move(value));
+        canorb::check_selected(_selected_by(discriminator) == 2, "Parts::Tiny::none");
+        _members.emplace<2>(std::move(value));
         _discriminator = discriminator;
     }
     const Nothing& none() const {
-        return canorb::union_member<1>(_members, "Parts::Tiny::none");
+        return canorb::union_member<2>(_members, "Parts::Tiny::none");
     }
-    Nothing& none() { return canorb::union_member<1>(_members, "Parts::Tiny::none"); }
+    Nothing& none() { return canorb::union_member<2>(_members, "Parts::Tiny::none"); }
 
     friend bool operator==(const Tiny&, const Tiny&) = default;
     friend void encode(canorb::ccdr::Encoder& out, const Tiny& value);
@@ -845,14 +846,14 @@ class Tiny {
     static constexpr std::size_t _selected_by(std::int8_t discriminator) {
         switch (discriminator) {
             case -1:
-                return 0;
-            default:
                 return 1;
+            default:
+                return 2;
         }
     }
 
     std::int8_t _discriminator = -1;
-    std::variant<float, Nothing> _members;
+    std::variant<std::monostate, float, Nothing> _members{std::in_place_index<1>};
 };
 void encode(canorb::ccdr::Encoder& out, const Tiny& value);
 void decode(canorb::ccdr::Decoder& in, Tiny& value);
@@ -873,27 +874,27 @@ class Gears {
     }
 
     void least(std::int32_t value) {
-        _members.emplace<0>(value);
+        _members.emplace<1>(value);
         _discriminator = Gear::LOW;
     }
     std::int32_t least() const {
-        return canorb::union_member<0>(_members, "Parts::Gears::least");
+        return canorb::union_member<1>(_members, "Parts::Gears::least");
     }
-    std::int32_t& least() { return canorb::union_member<0>(_members, "Parts::Gears::least"); }
+    std::int32_t& least() { return canorb::union_member<1>(_members, "Parts::Gears::least"); }
 
     void other(std::int32_t value) {
-        _members.emplace<1>(value);
+        _members.emplace<2>(value);
         _discriminator = Gear::NEUTRAL;
     }
     void other(std::int32_t value, Gear discriminator) {
-        canorb::check_selected(_selected_by(discriminator) == 1, "Parts::Gears::other");
-        _members.emplace<1>(value);
+        canorb::check_selected(_selected_by(discriminator) == 2, "Parts::Gears::other");
+        _members.emplace<2>(value);
         _discriminator = discriminator;
     }
     std::int32_t other() const {
-        return canorb::union_member<1>(_members, "Parts::Gears::other");
+        return canorb::union_member<2>(_members, "Parts::Gears::other");
     }
-    std::int32_t& other() { return canorb::union_member<1>(_members, "Parts::Gears::other"); }
+    std::int32_t& other() { return canorb::union_member<2>(_members, "Parts::Gears::other"); }
 
     friend bool operator==(const Gears&, const Gears&) = default;
     friend void encode(canorb::ccdr::Encoder& out, const Gears& value);
@@ -908,14 +909,14 @@ class Gears {
     static constexpr std::size_t _selected_by(Gear discriminator) {
         switch (discriminator) {
             case Gear::LOW:
-                return 0;
-            default:
                 return 1;
+            default:
+                return 2;
         }
     }
 
     Gear _discriminator = Gear::LOW;
-    std::variant<std::int32_t, std::int32_t> _members;
+    std::variant<std::monostate, std::int32_t, std::int32_t> _members{std::in_place_index<1>};
 };
 void encode(canorb::ccdr::Encoder& out, const Gears& value);
 void decode(canorb::ccdr::Decoder& in, Gears& value);
@@ -945,39 +946,39 @@ class Expression {
     }
 
     void constant(double value) {
-        _members.emplace<0>(value);
+        _members.emplace<1>(value);
         _discriminator = 0;
     }
     double constant() const {
-        return canorb::union_member<0>(_members, "Parts::Expression::constant");
+        return canorb::union_member<1>(_members, "Parts::Expression::constant");
     }
     double& constant() {
-        return canorb::union_member<0>(_members, "Parts::Expression::constant");
+        return canorb::union_member<1>(_members, "Parts::Expression::constant");
     }
 
     void sum(std::vector<Expression> value) {
-        _members.emplace<1>(std::move(value));
+        _members.emplace<2>(std::move(value));
         _discriminator = 1;
     }
     const std::vector<Expression>& sum() const {
-        return canorb::union_member<1>(_members, "Parts::Expression::sum");
+        return canorb::union_member<2>(_members, "Parts::Expression::sum");
     }
     std::vector<Expression>& sum() {
-        return canorb::union_member<1>(_members, "Parts::Expression::sum");
+        return canorb::union_member<2>(_members, "Parts::Expression::sum");
     }
 
     void raised(Power value) {
-        _members.emplace<2>(std::move(value));
+        _members.emplace<3>(std::move(value));
         _discriminator = 2;
     }
     const Power& raised() const {
-        return canorb::union_member<2>(_members, "Parts::Expression::raised");
+        return canorb::union_member<3>(_members, "Parts::Expression::raised");
     }
-    Power& raised() { return canorb::union_member<2>(_members, "Parts::Expression::raised"); }
+    Power& raised() { return canorb::union_member<3>(_members, "Parts::Expression::raised"); }
 
     /// No member.
     void _default() {
-        _members.emplace<3>();
+        _members.emplace<0>();
         _discriminator = 3;
     }
 
@@ -994,18 +995,18 @@ class Expression {
     static constexpr std::size_t _selected_by(std::uint8_t discriminator) {
         switch (discriminator) {
             case 0:
-                return 0;
-            case 1:
                 return 1;
-            case 2:
+            case 1:
                 return 2;
-            default:
+            case 2:
                 return 3;
+            default:
+                return 0;
         }
     }
 
     std::uint8_t _discriminator = 0;
-    std::variant<double, std::vector<Expression>, Power, std::monostate> _members;
+    std::variant<std::monostate, double, std::vector<Expression>, Power> _members{std::in_place_index<1>};
 };
 void encode(canorb::ccdr::Encoder& out, const Expression::Power& value);
 void decode(canorb::ccdr::Decoder& in, Expression::Power& value);
@@ -1045,15 +1046,15 @@ class Inner {
         }
 
         void one(Which value) {
-            _members.emplace<0>(value);
+            _members.emplace<1>(value);
             _discriminator = 5;
         }
-        Which one() const { return canorb::union_member<0>(_members, "Parts::Inner::Again::one"); }
-        Which& one() { return canorb::union_member<0>(_members, "Parts::Inner::Again::one"); }
+        Which one() const { return canorb::union_member<1>(_members, "Parts::Inner::Again::one"); }
+        Which& one() { return canorb::union_member<1>(_members, "Parts::Inner::Again::one"); }
 
         /// No member.
         void _default() {
-            _members.emplace<1>();
+            _members.emplace<0>();
             _discriminator = 0;
         }
 
@@ -1070,14 +1071,14 @@ class Inner {
         static constexpr std::size_t _selected_by(std::int16_t discriminator) {
             switch (discriminator) {
                 case 5:
-                    return 0;
-                default:
                     return 1;
+                default:
+                    return 0;
             }
         }
 
         std::int16_t _discriminator = 5;
-        std::variant<Which, std::monostate> _members;
+        std::variant<std::monostate, Which> _members{std::in_place_index<1>};
     };
 
     Which _d() const { return _discriminator; }
@@ -1089,22 +1090,22 @@ class Inner {
     }
 
     void near_side(Side value) {
-        _members.emplace<0>(value);
+        _members.emplace<1>(value);
         _discriminator = Which::LEFT;
     }
     Side near_side() const {
-        return canorb::union_member<0>(_members, "Parts::Inner::near_side");
+        return canorb::union_member<1>(_members, "Parts::Inner::near_side");
     }
-    Side& near_side() { return canorb::union_member<0>(_members, "Parts::Inner::near_side"); }
+    Side& near_side() { return canorb::union_member<1>(_members, "Parts::Inner::near_side"); }
 
     void more(Again value) {
-        _members.emplace<1>(std::move(value));
+        _members.emplace<2>(std::move(value));
         _discriminator = Which::RIGHT;
     }
     const Again& more() const {
-        return canorb::union_member<1>(_members, "Parts::Inner::more");
+        return canorb::union_member<2>(_members, "Parts::Inner::more");
     }
-    Again& more() { return canorb::union_member<1>(_members, "Parts::Inner::more"); }
+    Again& more() { return canorb::union_member<2>(_members, "Parts::Inner::more"); }
 
     friend bool operator==(const Inner&, const Inner&) = default;
     friend void encode(canorb::ccdr::Encoder& out, const Inner& value);
@@ -1119,16 +1120,16 @@ class Inner {
     static constexpr std::size_t _selected_by(Which discriminator) {
         switch (discriminator) {
             case Which::LEFT:
-                return 0;
-            case Which::RIGHT:
                 return 1;
-            default:
+            case Which::RIGHT:
                 return 2;
+            default:
+                return 0;
         }
     }
 
     Which _discriminator = Which::LEFT;
-    std::variant<Side, Again> _members;
+    std::variant<std::monostate, Side, Again> _members{std::in_place_index<1>};
 };
 void encode(canorb::ccdr::Encoder& out, Inner::Which value);
 void decode(canorb::ccdr::Decoder& in, Inner::Which& value);
@@ -1192,21 +1193,21 @@ class Stock : public virtual canorb::ObjectRef {
         }
 
         void now(State value) {
-            _members.emplace<0>(value);
+            _members.emplace<1>(value);
             _discriminator = true;
         }
-        State now() const { return canorb::union_member<0>(_members, "Parts::Stock::Found::now"); }
-        State& now() { return canorb::union_member<0>(_members, "Parts::Stock::Found::now"); }
+        State now() const { return canorb::union_member<1>(_members, "Parts::Stock::Found::now"); }
+        State& now() { return canorb::union_member<1>(_members, "Parts::Stock::Found::now"); }
 
         void reason(std::string value) {
-            _members.emplace<1>(std::move(value));
+            _members.emplace<2>(std::move(value));
             _discriminator = false;
         }
         const std::string& reason() const {
-            return canorb::union_member<1>(_members, "Parts::Stock::Found::reason");
+            return canorb::union_member<2>(_members, "Parts::Stock::Found::reason");
         }
         std::string& reason() {
-            return canorb::union_member<1>(_members, "Parts::Stock::Found::reason");
+            return canorb::union_member<2>(_members, "Parts::Stock::Found::reason");
         }
 
         friend bool operator==(const Found&, const Found&) = default;
@@ -1220,11 +1221,11 @@ class Stock : public virtual canorb::ObjectRef {
 
       private:
         static constexpr std::size_t _selected_by(bool discriminator) {
-            return discriminator ? 0 : 1;
+            return discriminator ? 1 : 2;
         }
 
         bool _discriminator = true;
-        std::variant<State, std::string> _members;
+        std::variant<std::monostate, State, std::string> _members{std::in_place_index<1>};
     };
 
     enum class Order : std::uint32_t { ASCENDING = 1, DESCENDING };  // composites.idl:155
@@ -1316,28 +1317,28 @@ class Stock::Next {
     }
 
     void bigger(Stock value) {
-        _members.emplace<0>(std::move(value));
+        _members.emplace<1>(std::move(value));
         _discriminator = Order::ASCENDING;
     }
     const Stock& bigger() const {
-        return canorb::union_member<0>(_members, "Parts::Stock::Next::bigger");
+        return canorb::union_member<1>(_members, "Parts::Stock::Next::bigger");
     }
-    Stock& bigger() { return canorb::union_member<0>(_members, "Parts::Stock::Next::bigger"); }
+    Stock& bigger() { return canorb::union_member<1>(_members, "Parts::Stock::Next::bigger"); }
 
     void smaller(std::vector<Stock> value) {
-        _members.emplace<1>(std::move(value));
+        _members.emplace<2>(std::move(value));
         _discriminator = Order::DESCENDING;
     }
     void smaller(std::vector<Stock> value, Order discriminator) {
-        canorb::check_selected(_selected_by(discriminator) == 1, "Parts::Stock::Next::smaller");
-        _members.emplace<1>(std::move(value));
+        canorb::check_selected(_selected_by(discriminator) == 2, "Parts::Stock::Next::smaller");
+        _members.emplace<2>(std::move(value));
         _discriminator = discriminator;
     }
     const std::vector<Stock>& smaller() const {
-        return canorb::union_member<1>(_members, "Parts::Stock::Next::smaller");
+        return canorb::union_member<2>(_members, "Parts::Stock::Next::smaller");
     }
     std::vector<Stock>& smaller() {
-        return canorb::union_member<1>(_members, "Parts::Stock::Next::smaller");
+        return canorb::union_member<2>(_members, "Parts::Stock::Next::smaller");
     }
 
     friend bool operator==(const Next&, const Next&) = default;
@@ -1353,14 +1354,14 @@ class Stock::Next {
     static constexpr std::size_t _selected_by(Order discriminator) {
         switch (discriminator) {
             case Order::ASCENDING:
-                return 0;
-            default:
                 return 1;
+            default:
+                return 2;
         }
     }
 
     Order _discriminator = Order::ASCENDING;
-    std::variant<Stock, std::vector<Stock>> _members;
+    std::variant<std::monostate, Stock, std::vector<Stock>> _members{std::in_place_index<1>};
 };
 void encode(canorb::ccdr::Encoder& out, const Stock::Next& value);
 void decode(canorb::ccdr::Decoder& in, Stock::Next& value);
@@ -1406,41 +1407,41 @@ class value {
     }
 
     void flow(Awkward::Stream value_) {
-        _members.emplace<0>(std::move(value_));
+        _members.emplace<1>(std::move(value_));
         _discriminator = 0;
     }
     const Awkward::Stream& flow() const {
-        return canorb::union_member<0>(_members, "Awkward::value::flow");
+        return canorb::union_member<1>(_members, "Awkward::value::flow");
     }
     Awkward::Stream& flow() {
-        return canorb::union_member<0>(_members, "Awkward::value::flow");
+        return canorb::union_member<1>(_members, "Awkward::value::flow");
     }
 
     void print(std::int32_t value_) {
-        _members.emplace<1>(value_);
+        _members.emplace<2>(value_);
         _discriminator = 1;
     }
     std::int32_t print() const {
-        return canorb::union_member<1>(_members, "Awkward::value::print");
+        return canorb::union_member<2>(_members, "Awkward::value::print");
     }
     std::int32_t& print() {
-        return canorb::union_member<1>(_members, "Awkward::value::print");
+        return canorb::union_member<2>(_members, "Awkward::value::print");
     }
 
     void deeper(std::vector<Awkward::value> value_) {
-        _members.emplace<2>(std::move(value_));
+        _members.emplace<3>(std::move(value_));
         _discriminator = 2;
     }
     const std::vector<Awkward::value>& deeper() const {
-        return canorb::union_member<2>(_members, "Awkward::value::deeper");
+        return canorb::union_member<3>(_members, "Awkward::value::deeper");
     }
     std::vector<Awkward::value>& deeper() {
-        return canorb::union_member<2>(_members, "Awkward::value::deeper");
+        return canorb::union_member<3>(_members, "Awkward::value::deeper");
     }
 
     /// No member.
     void _default() {
-        _members.emplace<3>();
+        _members.emplace<0>();
         _discriminator = 3;
     }
 
@@ -1457,19 +1458,19 @@ class value {
     static constexpr std::size_t _selected_by(std::int16_t discriminator) {
         switch (discriminator) {
             case 0:
-                return 0;
-            case 1:
                 return 1;
-            case 2:
+            case 1:
                 return 2;
-            default:
+            case 2:
                 return 3;
+            default:
+                return 0;
         }
     }
 
     std::int16_t _discriminator = 0;
-    std::variant<Awkward::Stream, std::int32_t, std::vector<Awkward::value>,
-                 std::monostate> _members;
+    std::variant<std::monostate, Awkward::Stream, std::int32_t,
+                 std::vector<Awkward::value>> _members{std::in_place_index<1>};
 };
 void encode(canorb::ccdr::Encoder& out, const Awkward::value& value);
 void decode(canorb::ccdr::Decoder& in, Awkward::value& value);
@@ -1539,30 +1540,30 @@ class Words {
     }
 
     void _cxx_template(std::int32_t value) {
-        _members.emplace<0>(value);
+        _members.emplace<1>(value);
         _discriminator = number::_cxx_default;
     }
     std::int32_t _cxx_template() const {
-        return canorb::union_member<0>(_members, "Awkward::Words::template");
+        return canorb::union_member<1>(_members, "Awkward::Words::template");
     }
     std::int32_t& _cxx_template() {
-        return canorb::union_member<0>(_members, "Awkward::Words::template");
+        return canorb::union_member<1>(_members, "Awkward::Words::template");
     }
 
     void _cxx_class(reference value) {
-        _members.emplace<1>(std::move(value));
+        _members.emplace<2>(std::move(value));
         _discriminator = number::_cxx_EOF;
     }
     const reference& _cxx_class() const {
-        return canorb::union_member<1>(_members, "Awkward::Words::class");
+        return canorb::union_member<2>(_members, "Awkward::Words::class");
     }
     reference& _cxx_class() {
-        return canorb::union_member<1>(_members, "Awkward::Words::class");
+        return canorb::union_member<2>(_members, "Awkward::Words::class");
     }
 
     /// No member.
     void _default() {
-        _members.emplace<2>();
+        _members.emplace<0>();
         _discriminator = number::case_;
     }
 
@@ -1579,16 +1580,16 @@ class Words {
     static constexpr std::size_t _selected_by(number discriminator) {
         switch (discriminator) {
             case number::_cxx_default:
-                return 0;
-            case number::_cxx_EOF:
                 return 1;
-            default:
+            case number::_cxx_EOF:
                 return 2;
+            default:
+                return 0;
         }
     }
 
     number _discriminator = number::_cxx_default;
-    std::variant<std::int32_t, reference, std::monostate> _members;
+    std::variant<std::monostate, std::int32_t, reference> _members{std::in_place_index<1>};
 };
 void encode(canorb::ccdr::Encoder& out, const Words& value);
 void decode(canorb::ccdr::Decoder& in, Words& value);
