@@ -235,9 +235,7 @@ void Checker::check_interfaces_defined() {
         diagnostics_.warning(where, "the interface " + quote(definition->name) +
                                         " is declared, but not defined in this file or in one "
                                         "that it includes");
-        if (!definition->in_main_file) continue;
-        model_.obstacles.push_back(
-            {where, "C++ needs the definition of the interface " + quote(definition->name)});
+        add_obstacle(where, "C++ needs the definition of the interface " + quote(definition->name));
     }
 }
 
@@ -256,12 +254,15 @@ void Checker::check_generated_names() {
             const std::string name = scope.name() + std::string{suffix};
             const Symbol* symbol = scope.parent()->own(name);
             if (symbol == nullptr || symbol->name != name) continue;
-            model_.obstacles.push_back(
-                {symbol->where, quote(name) +
-                                    " is needed for what is generated for the interface " +
-                                    quote(scope.name())});
+            add_obstacle(symbol->where, quote(name) +
+                                            " is needed for what is generated for the interface " +
+                                            quote(scope.name()));
         }
     }
+}
+
+void Checker::add_obstacle(Location where, std::string problem) {
+    if (source_.in_main_file(where)) model_.obstacles.push_back({where, std::move(problem)});
 }
 
 model::Definition& Checker::new_definition(const ast::Declaration& declaration,

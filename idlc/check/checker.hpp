@@ -65,6 +65,8 @@ class Checker {
     void check_structs_defined();
     void check_generated_names();
 
+    /// What stands in the way of code for the main file; others are compiled by themselves.
+    void add_obstacle(Location where, std::string problem);
     model::Definition& new_definition(const ast::Declaration& declaration, const Place& place);
     /// The definition, with its name declared; null when the name is taken.
     model::Definition* declare_name(const ast::Declaration& declaration, Symbol::Kind kind,

@@ -163,14 +163,14 @@ bool Checker::check_inherited_ids(const ast::Declaration& declaration,
         for (const model::InheritedOperation& inherited : model::inherited_operations(first_body)) {
             free = std::max<unsigned>(free, inherited.operation->id + 1U);
         }
-        model_.obstacles.push_back(
-            {declaration.name.where,
-             "the bases of " + quote(declaration.name.text) + " both use operation id " +
-                 std::to_string(entry.operation->id) + ": " +
-                 quote(model::scoped_name(first) + "::" + at->second.operation->name) + " and " +
-                 quote(model::scoped_name(*entry.interface) + "::" + entry.operation->name) +
-                 "; write @first_operation(" + std::to_string(free) + ") before interface " +
-                 quote(model::scoped_name(*entry.interface))});
+        add_obstacle(
+            declaration.name.where,
+            "the bases of " + quote(declaration.name.text) + " both use operation id " +
+                std::to_string(entry.operation->id) + ": " +
+                quote(model::scoped_name(first) + "::" + at->second.operation->name) + " and " +
+                quote(model::scoped_name(*entry.interface) + "::" + entry.operation->name) +
+                "; write @first_operation(" + std::to_string(free) + ") before interface " +
+                quote(model::scoped_name(*entry.interface)));
         return false;
     }
     return true;
@@ -189,21 +189,19 @@ void Checker::number_operations(const ast::Declaration& declaration, Scope& scop
     for (std::size_t i = 0; i < body.operations.size(); ++i, ++id) {
         model::Operation& operation = body.operations[i];
         if (id > highest_operation) {
-            model_.obstacles.push_back(
-                {operation_places_[i], quote(operation.name) + " would get operation id " +
-                                           std::to_string(id) + ", and the highest is " +
-                                           std::to_string(highest_operation)});
+            add_obstacle(operation_places_[i], quote(operation.name) + " would get operation id " +
+                                                   std::to_string(id) + ", and the highest is " +
+                                                   std::to_string(highest_operation));
             return;
         }
         const auto other = taken.find(id);
         if (other != taken.end()) {
-            model_.obstacles.push_back(
-                {operation_places_[i],
-                 quote(operation.name) + " would get operation id " + std::to_string(id) +
-                     ", which is that of the inherited " +
-                     quote(model::scoped_name(*other->second.interface) +
-                           "::" + other->second.operation->name) +
-                     "; @first_operation must be at least " + std::to_string(after_bases)});
+            add_obstacle(operation_places_[i],
+                         quote(operation.name) + " would get operation id " + std::to_string(id) +
+                             ", which is that of the inherited " +
+                             quote(model::scoped_name(*other->second.interface) +
+                                   "::" + other->second.operation->name) +
+                             "; @first_operation must be at least " + std::to_string(after_bases));
             return;
         }
         operation.id = static_cast<std::uint8_t>(id);

@@ -231,9 +231,9 @@ std::optional<model::Type> Checker::array(model::Type element,
         // The product of few large sizes can be larger than any integer.
         const std::uint64_t inner = std::min(elements(element), most_array_elements + 1);
         if (*bound * inner > most_array_elements) {
-            model_.obstacles.push_back({size->where, "an array of more than " +
-                                                         std::to_string(most_array_elements) +
-                                                         " elements is larger than any message"});
+            add_obstacle(size->where, "an array of more than " +
+                                          std::to_string(most_array_elements) +
+                                          " elements is larger than any message");
         }
         model::Type type;
         type.kind = model::TypeKind::array;
