@@ -9,13 +9,13 @@
 namespace Devices {
 
 void encode(canorb::ccdr::Encoder& out, const Station& value) {
-    encode(out, value.motors);
-    encode(out, value.colour);
+    encode(out, value.all);
+    encode(out, value.painted);
 }
 
 void decode(canorb::ccdr::Decoder& in, Station& value) {
-    decode(in, value.motors);
-    decode(in, value.colour);
+    decode(in, value.all);
+    decode(in, value.painted);
 }
 
 void encode(canorb::ccdr::Encoder& out, const Pump& value) {
@@ -53,9 +53,9 @@ Pump Pump::with_sent(canorb::SentCallback callback) const {
     return Pump{canorb::ObjectRef::with_sent(std::move(callback))};
 }
 
-void Pump::paint(Types::Colour colour, const Station& station) const {
+void Pump::paint(Types::Colour fresh, const Station& where) const {
     canorb::ClientCall call{*this, Pump_operations::paint};
-    call.write(colour, station);
+    call.write(fresh, where);
     call.invoke<Types::Failed>();
     call.read();
 }
@@ -69,11 +69,11 @@ namespace Devices {
 void PumpServant::_dispatch(canorb::ServerCall& call) {
     switch (call.operation()) {
         case Pump_operations::paint.id: {
-            Types::Colour colour{};
-            Station station;
-            if (!call.read(colour, station)) return;
+            Types::Colour fresh{};
+            Station where;
+            if (!call.read(fresh, where)) return;
             try {
-                paint(colour, station);
+                paint(fresh, where);
                 call.reply();
             } catch (const Types::Failed& exception) {
                 call.raise(exception);

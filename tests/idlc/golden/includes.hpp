@@ -16,17 +16,27 @@ using Motors = std::array<Motor, 3>;  // includes.idl:7
 
 // includes.idl:9
 struct Station {
-    Motors motors{};
-    Types::Colour colour{};
+    Motors all{};
+    Types::Colour painted{};
 
     friend bool operator==(const Station&, const Station&) = default;
 };
 void encode(canorb::ccdr::Encoder& out, const Station& value);
 void decode(canorb::ccdr::Decoder& in, Station& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const Station& value) {
+    return canorb::print_members(out, "all", value.all, "painted", value.painted);
+}
+constexpr std::string_view type_code_of(const Station*) {
+    return {"\017\030IDL:Devices/Station:1.0\000\001\000\002\001\000\024\016\026IDL:Devices/M"
+        "otor:1.0\000\001\000\003\001\000\021\025IDL:Types/Colour:1.0\000\001\000\003\001"
+        "\000\001\000\001\000", 93};
+}
 
 /// What stubs and skeletons share about IDL:Devices/Pump:1.0.
 inline constexpr const canorb::InterfaceInfo* PumpBases[] = {&MotorInterface};
-inline constexpr canorb::InterfaceInfo PumpInterface{"IDL:Devices/Pump:1.0", PumpBases};
+inline constexpr canorb::InterfaceInfo PumpInterface{
+    "IDL:Devices/Pump:1.0", PumpBases, 0x172573BC};
 
 // includes.idl:14
 class Pump : public virtual Motor {
@@ -44,10 +54,13 @@ class Pump : public virtual Motor {
     Pump with_sent(canorb::SentCallback callback) const;
 
     // includes.idl:15, operation 8, raises Types::Failed
-    void paint(Types::Colour colour, const Station& station) const;
+    void paint(Types::Colour fresh, const Station& where) const;
 };
 void encode(canorb::ccdr::Encoder& out, const Pump& value);
 void decode(canorb::ccdr::Decoder& in, Pump& value);
+constexpr std::string_view type_code_of(const Pump*) {
+    return {"\016\025IDL:Devices/Pump:1.0\000\001\000", 25};
+}
 
 }  // namespace Devices
 
@@ -62,7 +75,7 @@ class PumpServant : public virtual MotorServant {
     void _dispatch(canorb::ServerCall& call) override;
 
     // includes.idl:15, raises Types::Failed
-    virtual void paint(Types::Colour colour, const Station& station) = 0;
+    virtual void paint(Types::Colour fresh, const Station& where) = 0;
 };
 
 }  // namespace Devices
