@@ -168,7 +168,7 @@ struct Alias {
     Type type;
 };
 
-/// A type that is known by name only: nothing is generated for it, nor for what uses it.
+/// A type that is known by name only: nothing is generated for it, and nothing can use it.
 struct Unusable {
     std::string_view kind;  ///< "native", "valuetype"
 };

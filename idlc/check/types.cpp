@@ -209,15 +209,12 @@ std::optional<model::Type> Checker::named_type(const ast::Type& written, Scope& 
         return std::nullopt;
     }
     if (const auto* unusable = std::get_if<model::Unusable>(&symbol->definition->body)) {
-        if (unusable->kind != "native") {
-            diagnostics_.error(written.where, quote(symbol->name) + " is " +
-                                                  std::string{unusable->kind} +
-                                                  ": such types can be declared, but not used (see "
-                                                  "doc/idl-support.md)");
-            diagnostics_.note(symbol->where, "declared here");
-            return std::nullopt;
-        }
-        add_obstacle(written.where, "C++ has no type for the native " + quote(symbol->name));
+        diagnostics_.error(written.where, quote(symbol->name) + " is " +
+                                              std::string{unusable->kind} +
+                                              ": such types can be declared, but not used (see "
+                                              "doc/idl-support.md)");
+        diagnostics_.note(symbol->where, "declared here");
+        return std::nullopt;
     }
     type.kind = model::TypeKind::named;
     type.definition = symbol->definition;

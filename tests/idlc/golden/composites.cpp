@@ -698,11 +698,11 @@ void decode(canorb::ccdr::Decoder& in, Words& value) {
 
 }  // namespace Awkward
 
-void encode(canorb::ccdr::Encoder& out, const AtFileScope& value) {
+void encode(canorb::ccdr::Encoder& out, const OutsideOfModules& value) {
     encode(out, value.n);
 }
 
-void decode(canorb::ccdr::Decoder& in, AtFileScope& value) {
+void decode(canorb::ccdr::Decoder& in, OutsideOfModules& value) {
     decode(in, value.n);
 }
 

@@ -1604,20 +1604,20 @@ constexpr std::string_view type_code_of(const Words*) {
 }  // namespace Awkward
 
 // composites.idl:181
-struct AtFileScope {
+struct OutsideOfModules {
     Awkward::number n{};
 
-    friend bool operator==(const AtFileScope&, const AtFileScope&) = default;
+    friend bool operator==(const OutsideOfModules&, const OutsideOfModules&) = default;
 };
-void encode(canorb::ccdr::Encoder& out, const AtFileScope& value);
-void decode(canorb::ccdr::Decoder& in, AtFileScope& value);
+void encode(canorb::ccdr::Encoder& out, const OutsideOfModules& value);
+void decode(canorb::ccdr::Decoder& in, OutsideOfModules& value);
 template <canorb::OutputStream Stream>
-Stream& operator<<(Stream& out, const AtFileScope& value) {
+Stream& operator<<(Stream& out, const OutsideOfModules& value) {
     return canorb::print_members(out, "n", value.n);
 }
-constexpr std::string_view type_code_of(const AtFileScope*) {
-    return {"\017\024IDL:AtFileScope:1.0\000\001\000\001\001\000\021\027IDL:Awkward/number:1."
-        "0\000\001\000\003\001\000\001\000\001\000", 61};
+constexpr std::string_view type_code_of(const OutsideOfModules*) {
+    return {"\017\031IDL:OutsideOfModules:1.0\000\001\000\001\001\000\021\027IDL:Awkward/numb"
+        "er:1.0\000\001\000\003\001\000\001\000\001\000", 66};
 }
 
 // composites.idl:182
