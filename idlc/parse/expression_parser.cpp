@@ -97,6 +97,9 @@ ast::Expression ExpressionParser::unary() {
     if (is("+") || is("-") || is("~")) {
         result.op = is("+") ? Operator::plus : is("-") ? Operator::negate : Operator::complement;
         advance();
+        if (is("+") || is("-") || is("~")) {
+            fail("a second operator before a value needs parentheses");
+        }
         result.operands.push_back(unary());
     } else if (take("(")) {
         const bool outer = std::exchange(in_template_, false);

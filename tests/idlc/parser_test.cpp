@@ -514,7 +514,7 @@ TEST(ParserTest, SurvivesDeepNesting) {
         repeated("union A switch ("),
         "typedef " + repeated("sequence<"),
         "typedef " + repeated("map<long,"),
-        "const long a = " + repeated("-") + "1;",
+        "const long a = " + repeated("-(") + "1;",
         "const long a = " + repeated("("),
         "const long a = 1" + repeated(" + 1") + ";",
         "typedef long A" + repeated("[1]") + ";",
