@@ -63,7 +63,13 @@ void Checker::check_annotations(const std::vector<ast::Annotation>& annotations,
             std::find_if(std::begin(known_annotations), std::end(known_annotations),
                          [&](const Known& one) { return one.name == name; });
         if (known != std::end(known_annotations)) {
-            diagnostics_.error(where, '@' + name + " belongs before " + std::string{known->place});
+            std::string problem = '@' + name + " belongs before " + std::string{known->place};
+            // Before a typedef it is good IDL, but C++'s aliases have no values of their own.
+            if (name == "default") {
+                diagnostics_.warning(where, problem + ": it is ignored");
+            } else {
+                diagnostics_.error(where, std::move(problem));
+            }
             continue;
         }
         if (std::find(std::begin(describing_annotations), std::end(describing_annotations), name) !=

@@ -231,6 +231,7 @@ std::optional<model::Type> Checker::discriminator(const ast::Type& written, Scop
 void Checker::declare(const ast::Declaration& declaration, const ast::Union& choice,
                       const Place& place) {
     check_annotations(declaration.annotations, {}, place.scope);
+    check_annotations(choice.discriminator_annotations, {}, place.scope);
     Symbol* symbol = composite_symbol<model::Union>(declaration, place);
     if (symbol == nullptr) return;
     open_composite(declaration, *symbol, place);
@@ -239,6 +240,7 @@ void Checker::declare(const ast::Declaration& declaration, const ast::Union& cho
     model::Union body;
     const Place inside{*symbol->scope, &definition, body.definitions, prefix};
     declarations(choice.declared, inside);
+    check_annotations(choice.discriminator_annotations, {}, *symbol->scope);
     const std::optional<model::Type> type = discriminator(choice.discriminator, *symbol->scope);
     if (type) {
         body.discriminator = *type;
