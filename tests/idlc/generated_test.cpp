@@ -58,7 +58,7 @@ TEST(GeneratedTypesTest, AScalarOfEachKind) {
     scalars.u64 = 3;
     scalars.f = 1.0F;
     scalars.d = -2.0;
-    scalars.colour = Types::Colour::BLUE;
+    scalars.shade = Types::Colour::BLUE;
     const std::string golden =
         "01"
         "41"
@@ -88,10 +88,10 @@ TEST(GeneratedTypesTest, AScalarOfEachKind) {
 
 TEST(GeneratedTypesTest, EverythingComesBack) {
     Types::Compounds value;
-    value.text = "text";
+    value.words = "text";
     value.fits = std::string(255, 'f');
     value.does_not = std::string(256, 'n');
-    value.name = "name";
+    value.called = "name";
     value.long_text = "long";
     value.octets = {1, 2, 3};
     value.few_octets = {4, 5};
@@ -100,12 +100,12 @@ TEST(GeneratedTypesTest, EverythingComesBack) {
     value.texts = {"a", "", "c"};
     value.long_texts = {std::string(300, 'x')};
     value.names = {"p", "q"};
-    value.samples = {300, 2};
+    value.measured = {300, 2};
     value.list.resize(2);
-    value.matrix[1][3] = -5;
+    value.cells[1][3] = -5;
     value.texts_in_array = {"one", "two"};
     value.second[2].l = 9;
-    value.packets = {{1}, {2, 3}};
+    value.sent = {{1}, {2, 3}};
     value.flags = {true, false, true};
     const std::string golden = encoded(value);
     Types::Compounds back;
