@@ -249,9 +249,9 @@ struct Declaration {
     Identifier name;
     std::vector<std::string> comment;
     std::vector<Annotation> annotations;
-    std::variant<Module, Constant, Enum, Bitmask, Struct, Union, Exception, Alias, Native, ValueType,
-                 ForwardStruct, ForwardUnion, ForwardInterface, Interface, Attribute, Operation,
-                 IdDirective, AnnotationType>
+    std::variant<Module, Constant, Enum, Bitmask, Struct, Union, Exception, Alias, Native,
+                 ValueType, ForwardStruct, ForwardUnion, ForwardInterface, Interface, Attribute,
+                 Operation, IdDirective, AnnotationType>
         body;
 };
 

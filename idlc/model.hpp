@@ -225,8 +225,8 @@ struct Definition {
     Provenance provenance;
     std::vector<std::string> comment;
     bool in_main_file = false;
-    std::variant<Module, Constant, Enum, Bitmask, Struct, Union, Exception, Alias, Unusable, Forward,
-                 Interface>
+    std::variant<Module, Constant, Enum, Bitmask, Struct, Union, Exception, Alias, Unusable,
+                 Forward, Interface>
         body = Module{};
 };
 

@@ -398,15 +398,13 @@ TEST(GeneratedUnionTest, BelongsToAnInterface) {
 TEST(GeneratedUnionTest, MayBeNamedAsTheGeneratedCodeNamesThings) {
     Awkward::value value;
     value.flow({1, 2, 3});
-    expect_octets(value,
-                  "00010203");
+    expect_octets(value, "00010203");
     Awkward::Words words;
     words._cxx_template(1);
     expect_octets(words, "0101");
     EXPECT_EQ(printed(words), "{_d: default, template: 1}");
     words._cxx_class({Awkward::number::_cxx_EOF, Awkward::has::_cxx_union, 1, 2});
-    expect_octets(words,
-                  "0202010102");
+    expect_octets(words, "0202010102");
     expect_in_any(words);
 }
 
