@@ -82,8 +82,9 @@ class OwnFiles {
 Words arguments(const std::string& file, const PreprocessorOptions& options,
                 const OwnFiles& own_files) {
     // -undef: `linux` and `unix` are good names in IDL. -dI: keeps the #include lines, which say
-    // how a file is spelled. -ftabstop: columns in its messages count a tab as one.
-    Words words{"-x", "c", "-C", "-undef", "-nostdinc", "-dI", "-ftabstop=1"};
+    // how a file is spelled. -ftabstop: columns in its messages count a tab as one. IDL has no
+    // trigraphs.
+    Words words{"-x", "c", "-C", "-undef", "-nostdinc", "-dI", "-ftabstop=1", "-Wno-trigraphs"};
     for (const std::string& directory : options.include_directories) {
         words.push_back("-I");
         words.push_back(directory);

@@ -231,7 +231,6 @@ std::optional<model::Type> Checker::discriminator(const ast::Type& written, Scop
 void Checker::declare(const ast::Declaration& declaration, const ast::Union& choice,
                       const Place& place) {
     check_annotations(declaration.annotations, {}, place.scope);
-    check_annotations(choice.discriminator_annotations, {}, place.scope);
     Symbol* symbol = composite_symbol<model::Union>(declaration, place);
     if (symbol == nullptr) return;
     open_composite(declaration, *symbol, place);

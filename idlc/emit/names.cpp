@@ -128,7 +128,8 @@ std::string_view basic_type(TypeKind kind) {
 
 /// One character inside of a literal that `quote` delimits.
 std::string literal_character(char c, char quote) {
-    if (c == quote || c == '\\') return std::string{'\\', c};
+    // "??/" would look like a trigraph.
+    if (c == quote || c == '\\' || (c == '?' && quote == '"')) return std::string{'\\', c};
     if (c >= ' ' && c <= '~') return std::string{c};
     // Three octal digits: a digit that follows is not taken for one of them.
     const auto octet = static_cast<unsigned char>(c);
@@ -242,10 +243,12 @@ std::string Names::lookup_in_interface(std::string_view name, const model::Defin
         if (operations_.count(member) != 0) return "an operation";
         if (stub && declared_.count(member) != 0) return member;
         if (stub && own(*one) == name) return path;
+        if (!stub && own(*one) + "Servant" == name) return "a servant";
     }
     const bool has_base =
         std::get<model::Interface>(interface.body).kind != model::InterfaceKind::local;
     if (stub && has_base && contains(object_ref_members, name)) return "a member of ObjectRef";
+    if (!stub && name == "Servant") return "the base of all servants";
     return {};
 }
 

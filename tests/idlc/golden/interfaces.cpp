@@ -160,6 +160,40 @@ void decode(canorb::ccdr::Decoder& in, _cxx_operator& value) {
 
 }  // namespace Names
 
+namespace Bases {
+
+void encode(canorb::ccdr::Encoder& out, const Servant& value) {
+    encode(out, static_cast<const canorb::ObjectRef&>(value));
+}
+
+void decode(canorb::ccdr::Decoder& in, Servant& value) {
+    canorb::ObjectRef reference;
+    decode(in, reference);
+    value = Servant{reference};
+}
+
+void encode(canorb::ccdr::Encoder& out, const ObjectRef& value) {
+    encode(out, static_cast<const canorb::ObjectRef&>(value));
+}
+
+void decode(canorb::ccdr::Decoder& in, ObjectRef& value) {
+    canorb::ObjectRef reference;
+    decode(in, reference);
+    value = ObjectRef{reference};
+}
+
+void encode(canorb::ccdr::Encoder& out, const User& value) {
+    encode(out, static_cast<const canorb::ObjectRef&>(value));
+}
+
+void decode(canorb::ccdr::Decoder& in, User& value) {
+    canorb::ObjectRef reference;
+    decode(in, reference);
+    value = User{reference};
+}
+
+}  // namespace Bases
+
 void encode(canorb::ccdr::Encoder& out, const AtFileScope& value) {
     encode(out, static_cast<const canorb::ObjectRef&>(value));
 }
@@ -242,6 +276,25 @@ constexpr canorb::OperationInfo with_sent{
 }  // namespace _cxx_operator_operations
 
 }  // namespace Names
+
+namespace Bases {
+
+namespace Servant_operations {
+constexpr canorb::OperationInfo work{
+    .declared_in = &ServantInterface, .id = 0, .name = "work", .groupable = true};
+}  // namespace Servant_operations
+
+namespace ObjectRef_operations {
+constexpr canorb::OperationInfo refer{
+    .declared_in = &ObjectRefInterface, .id = 0, .name = "refer", .groupable = true};
+}  // namespace ObjectRef_operations
+
+namespace User_operations {
+constexpr canorb::OperationInfo swap{
+    .declared_in = &UserInterface, .id = 0, .name = "swap"};
+}  // namespace User_operations
+
+}  // namespace Bases
 
 namespace AtFileScope_operations {
 constexpr canorb::OperationInfo hello{
@@ -498,6 +551,57 @@ void _cxx_operator::with_sent(std::int32_t callback) const {
 }
 
 }  // namespace Names
+
+namespace Bases {
+
+Servant Servant::with_timeout(canorb::Duration timeout) const {
+    return Servant{canorb::ObjectRef::with_timeout(timeout)};
+}
+
+Servant Servant::with_sent(canorb::SentCallback callback) const {
+    return Servant{canorb::ObjectRef::with_sent(std::move(callback))};
+}
+
+void Servant::work() const {
+    canorb::ClientCall call{*this, Servant_operations::work};
+    call.write();
+    call.invoke();
+    call.read();
+}
+
+ObjectRef ObjectRef::with_timeout(canorb::Duration timeout) const {
+    return ObjectRef{canorb::ObjectRef::with_timeout(timeout)};
+}
+
+ObjectRef ObjectRef::with_sent(canorb::SentCallback callback) const {
+    return ObjectRef{canorb::ObjectRef::with_sent(std::move(callback))};
+}
+
+void ObjectRef::refer() const {
+    canorb::ClientCall call{*this, ObjectRef_operations::refer};
+    call.write();
+    call.invoke();
+    call.read();
+}
+
+User User::with_timeout(canorb::Duration timeout) const {
+    return User{canorb::ObjectRef::with_timeout(timeout)};
+}
+
+User User::with_sent(canorb::SentCallback callback) const {
+    return User{canorb::ObjectRef::with_sent(std::move(callback))};
+}
+
+Servant User::swap(const Bases::ObjectRef& given, Servant& taken) const {
+    canorb::ClientCall call{*this, User_operations::swap};
+    call.write(given, taken);
+    call.invoke();
+    Servant result;
+    call.read(result, taken);
+    return result;
+}
+
+}  // namespace Bases
 
 AtFileScope AtFileScope::with_timeout(canorb::Duration timeout) const {
     return AtFileScope{canorb::ObjectRef::with_timeout(timeout)};
@@ -769,6 +873,51 @@ void _cxx_operatorServant::_dispatch(canorb::ServerCall& _call) {
 }
 
 }  // namespace Names
+
+namespace Bases {
+
+void ServantServant::_dispatch(canorb::ServerCall& call) {
+    switch (call.operation()) {
+        case Servant_operations::work.id: {
+            if (!call.read()) return;
+            work();
+            call.reply();
+            return;
+        }
+        default:
+            return;
+    }
+}
+
+void ObjectRefServant::_dispatch(canorb::ServerCall& call) {
+    switch (call.operation()) {
+        case ObjectRef_operations::refer.id: {
+            if (!call.read()) return;
+            refer();
+            call.reply();
+            return;
+        }
+        default:
+            return;
+    }
+}
+
+void UserServant::_dispatch(canorb::ServerCall& call) {
+    switch (call.operation()) {
+        case User_operations::swap.id: {
+            ObjectRef given;
+            Bases::Servant taken;
+            if (!call.read(given, taken)) return;
+            const Bases::Servant result = swap(given, taken);
+            call.reply(result, taken);
+            return;
+        }
+        default:
+            return;
+    }
+}
+
+}  // namespace Bases
 
 void AtFileScopeServant::_dispatch(canorb::ServerCall& call) {
     switch (call.operation()) {

@@ -395,11 +395,97 @@ constexpr std::string_view type_code_of(const _cxx_operator*) {
 
 }  // namespace Names
 
+namespace Bases {
+
+/// What stubs and skeletons share about IDL:Bases/Servant:1.0.
+inline constexpr canorb::InterfaceInfo ServantInterface{
+    "IDL:Bases/Servant:1.0", {}, 0xD5F144D0};
+
+// interfaces.idl:74
+// What classes of the ORB are called that generated ones derive from.
+class Servant : public virtual canorb::ObjectRef {
+  public:
+    static constexpr const canorb::InterfaceInfo& _interface = ServantInterface;
+
+    Servant() = default;  // nil
+    explicit Servant(const canorb::ObjectRef& reference) : canorb::ObjectRef(reference) {}
+    Servant(const Servant&) = default;
+    Servant& operator=(const Servant&) = default;
+
+    /// A copy whose calls end after `timeout`.
+    Servant with_timeout(canorb::Duration timeout) const;
+    /// A copy that calls `callback` when a call through it is on the bus.
+    Servant with_sent(canorb::SentCallback callback) const;
+
+    void work() const;  // interfaces.idl:74, operation 0
+};
+void encode(canorb::ccdr::Encoder& out, const Servant& value);
+void decode(canorb::ccdr::Decoder& in, Servant& value);
+constexpr std::string_view type_code_of(const Servant*) {
+    return {"\016\026IDL:Bases/Servant:1.0\000\001\000", 26};
+}
+
+/// What stubs and skeletons share about IDL:Bases/ObjectRef:1.0.
+inline constexpr canorb::InterfaceInfo ObjectRefInterface{
+    "IDL:Bases/ObjectRef:1.0", {}, 0x01AE9DCF};
+
+// interfaces.idl:75
+class ObjectRef : public virtual canorb::ObjectRef {
+  public:
+    static constexpr const canorb::InterfaceInfo& _interface = ObjectRefInterface;
+
+    ObjectRef() = default;  // nil
+    explicit ObjectRef(const canorb::ObjectRef& reference) : canorb::ObjectRef(reference) {}
+    ObjectRef(const ObjectRef&) = default;
+    ObjectRef& operator=(const ObjectRef&) = default;
+
+    /// A copy whose calls end after `timeout`.
+    ObjectRef with_timeout(canorb::Duration timeout) const;
+    /// A copy that calls `callback` when a call through it is on the bus.
+    ObjectRef with_sent(canorb::SentCallback callback) const;
+
+    void refer() const;  // interfaces.idl:75, operation 0
+};
+void encode(canorb::ccdr::Encoder& out, const ObjectRef& value);
+void decode(canorb::ccdr::Decoder& in, ObjectRef& value);
+constexpr std::string_view type_code_of(const ObjectRef*) {
+    return {"\016\030IDL:Bases/ObjectRef:1.0\000\001\000", 28};
+}
+
+/// What stubs and skeletons share about IDL:Bases/User:1.0.
+inline constexpr canorb::InterfaceInfo UserInterface{"IDL:Bases/User:1.0", {}, 0x509F00DC};
+
+// interfaces.idl:76
+class User : public virtual canorb::ObjectRef {
+  public:
+    static constexpr const canorb::InterfaceInfo& _interface = UserInterface;
+
+    User() = default;  // nil
+    explicit User(const canorb::ObjectRef& reference) : canorb::ObjectRef(reference) {}
+    User(const User&) = default;
+    User& operator=(const User&) = default;
+
+    /// A copy whose calls end after `timeout`.
+    User with_timeout(canorb::Duration timeout) const;
+    /// A copy that calls `callback` when a call through it is on the bus.
+    User with_sent(canorb::SentCallback callback) const;
+
+    // interfaces.idl:77, operation 0
+    Servant swap(const Bases::ObjectRef& given, Servant& taken) const;
+};
+void encode(canorb::ccdr::Encoder& out, const User& value);
+void decode(canorb::ccdr::Decoder& in, User& value);
+constexpr std::string_view type_code_of(const User*) {
+    return {"\016\023IDL:Bases/User:1.0\000\001\000", 23};
+}
+
+}  // namespace Bases
+
 /// What stubs and skeletons share about IDL:AtFileScope:1.0.
 inline constexpr canorb::InterfaceInfo AtFileScopeInterface{
     "IDL:AtFileScope:1.0", {}, 0x3D45B162};
 
-// interfaces.idl:72
+// interfaces.idl:81
 class AtFileScope : public virtual canorb::ObjectRef {
   public:
     static constexpr const canorb::InterfaceInfo& _interface = AtFileScopeInterface;
@@ -414,7 +500,7 @@ class AtFileScope : public virtual canorb::ObjectRef {
     /// A copy that calls `callback` when a call through it is on the bus.
     AtFileScope with_sent(canorb::SentCallback callback) const;
 
-    void hello(const Names::_cxx_namespace& what) const;  // interfaces.idl:73, operation 0
+    void hello(const Names::_cxx_namespace& what) const;  // interfaces.idl:82, operation 0
 };
 void encode(canorb::ccdr::Encoder& out, const AtFileScope& value);
 void decode(canorb::ccdr::Decoder& in, AtFileScope& value);
@@ -529,11 +615,44 @@ class _cxx_operatorServant : public virtual canorb::Servant {
 
 }  // namespace Names
 
-// interfaces.idl:72
+namespace Bases {
+
+// interfaces.idl:74
+// What classes of the ORB are called that generated ones derive from.
+class ServantServant : public virtual canorb::Servant {
+  public:
+    const canorb::InterfaceInfo& _interface_info() const override { return ServantInterface; }
+    void _dispatch(canorb::ServerCall& call) override;
+
+    virtual void work() = 0;  // interfaces.idl:74
+};
+
+// interfaces.idl:75
+class ObjectRefServant : public virtual canorb::Servant {
+  public:
+    const canorb::InterfaceInfo& _interface_info() const override { return ObjectRefInterface; }
+    void _dispatch(canorb::ServerCall& call) override;
+
+    virtual void refer() = 0;  // interfaces.idl:75
+};
+
+// interfaces.idl:76
+class UserServant : public virtual canorb::Servant {
+  public:
+    const canorb::InterfaceInfo& _interface_info() const override { return UserInterface; }
+    void _dispatch(canorb::ServerCall& call) override;
+
+    // interfaces.idl:77
+    virtual Bases::Servant swap(const ObjectRef& given, Bases::Servant& taken) = 0;
+};
+
+}  // namespace Bases
+
+// interfaces.idl:81
 class AtFileScopeServant : public virtual canorb::Servant {
   public:
     const canorb::InterfaceInfo& _interface_info() const override { return AtFileScopeInterface; }
     void _dispatch(canorb::ServerCall& call) override;
 
-    virtual void hello(const Names::_cxx_namespace& what) = 0;  // interfaces.idl:73
+    virtual void hello(const Names::_cxx_namespace& what) = 0;  // interfaces.idl:82
 };
