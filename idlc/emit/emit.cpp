@@ -143,6 +143,10 @@ constexpr std::string_view header_piece = R"(
 $canorb_includes$
 $gap$
 $includes$
+
+// Parameters are called as in the IDL, whatever else is called so.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
 )";
 
 constexpr std::string_view source_piece = R"(
@@ -151,6 +155,8 @@ constexpr std::string_view source_piece = R"(
 #include "$stem$.hpp"
 
 #include <utility>
+
+#pragma GCC diagnostic ignored "-Wshadow"
 )";
 
 }  // namespace
@@ -181,6 +187,8 @@ GeneratedCode generate(const model::Model& model, const std::string& stem) {
     code.header += section("Servants: derive from these.", interfaces([&](const auto& interface) {
                                return servant_declaration(interface, names);
                            }));
+
+    code.header += "\n#pragma GCC diagnostic pop\n";
 
     code.source = fill(source_piece, {{"file", file}, {"stem", stem}});
     code.source += section("Codec.", all([&](const Step& step) {

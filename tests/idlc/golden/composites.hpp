@@ -6,6 +6,10 @@
 #include <canorb/stub.hpp>
 #include <canorb/types.hpp>
 
+// Parameters are called as in the IDL, whatever else is called so.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
+
 // Types and stubs.
 
 namespace Parts {
@@ -1649,3 +1653,5 @@ class StockServant : public virtual canorb::Servant {
 };
 
 }  // namespace Parts
+
+#pragma GCC diagnostic pop

@@ -6,6 +6,10 @@
 #include <canorb/stub.hpp>
 #include <canorb/types.hpp>
 
+// Parameters are called as in the IDL, whatever else is called so.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
+
 // Types and stubs.
 
 namespace Devices {
@@ -140,3 +144,5 @@ class MotorServant : public virtual BaseServant {
 };
 
 }  // namespace Devices
+
+#pragma GCC diagnostic pop

@@ -6,6 +6,10 @@
 #include <canorb/stub.hpp>
 #include <canorb/types.hpp>
 
+// Parameters are called as in the IDL, whatever else is called so.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
+
 // Types and stubs.
 
 namespace Net {
@@ -141,3 +145,5 @@ class NodeServant : public virtual canorb::Servant {
 };
 
 }  // namespace Net
+
+#pragma GCC diagnostic pop

@@ -8,6 +8,10 @@
 #include "devices.hpp"
 #include "types.hpp"
 
+// Parameters are called as in the IDL, whatever else is called so.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
+
 // Types and stubs.
 
 namespace Devices {
@@ -79,3 +83,5 @@ class PumpServant : public virtual MotorServant {
 };
 
 }  // namespace Devices
+
+#pragma GCC diagnostic pop

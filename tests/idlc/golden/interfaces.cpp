@@ -4,6 +4,8 @@
 
 #include <utility>
 
+#pragma GCC diagnostic ignored "-Wshadow"
+
 // Codec.
 
 namespace Plant {

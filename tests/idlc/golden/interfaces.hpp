@@ -6,6 +6,10 @@
 #include <canorb/stub.hpp>
 #include <canorb/types.hpp>
 
+// Parameters are called as in the IDL, whatever else is called so.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
+
 // Types and stubs.
 
 namespace Plant {
@@ -656,3 +660,5 @@ class AtFileScopeServant : public virtual canorb::Servant {
 
     virtual void hello(const Names::_cxx_namespace& what) = 0;  // interfaces.idl:82
 };
+
+#pragma GCC diagnostic pop

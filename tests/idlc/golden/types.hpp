@@ -4,6 +4,10 @@
 
 #include <canorb/types.hpp>
 
+// Parameters are called as in the IDL, whatever else is called so.
+#pragma GCC diagnostic push
+#pragma GCC diagnostic ignored "-Wshadow"
+
 // Types.
 
 using at_file_scope = std::int32_t;  // types.idl:3
@@ -262,3 +266,5 @@ constexpr std::string_view type_code_of(const Uses*) {
 using Later = Inner::Uses;  // types.idl:108
 
 }  // namespace Types
+
+#pragma GCC diagnostic pop
