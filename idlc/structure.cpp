@@ -1,6 +1,7 @@
 #include "idlc/structure.hpp"
 
 #include <algorithm>
+#include <set>
 #include <tuple>
 #include <variant>
 #include <vector>
@@ -259,10 +260,10 @@ std::string Writer::describe(const model::Exception& exception) {
     return members(all);
 }
 
-void collect_bases(const model::Interface& interface, std::vector<std::string>& ids) {
+void collect_bases(const model::Interface& interface, std::set<const Definition*>& bases) {
     for (const Definition* base : interface.bases) {
-        ids.push_back(base->repository_id);
-        collect_bases(std::get<model::Interface>(base->body), ids);
+        if (!bases.insert(base).second) continue;
+        collect_bases(std::get<model::Interface>(base->body), bases);
     }
 }
 
@@ -271,11 +272,11 @@ std::string Writer::interface(const Definition& definition) {
     std::string text = body.kind == model::InterfaceKind::local ? "local interface " : "interface ";
     text += definition.repository_id + '\n';
 
-    std::vector<std::string> bases;
+    std::set<const Definition*> bases;
     collect_bases(body, bases);
-    std::sort(bases.begin(), bases.end());
-    bases.erase(std::unique(bases.begin(), bases.end()), bases.end());
-    for (const std::string& base : bases) text += "inherits " + base + '\n';
+    std::set<std::string> ids;
+    for (const Definition* base : bases) ids.insert(base->repository_id);
+    for (const std::string& id : ids) text += "inherits " + id + '\n';
 
     // It is not on the wire, and its operations have no ids.
     if (body.kind == model::InterfaceKind::local) return text;

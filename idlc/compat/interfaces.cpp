@@ -22,7 +22,8 @@ std::vector<InheritedOperation> all_operations(const Definition& interface) {
 
 void collect_bases(const Definition& interface, std::vector<const Definition*>& into) {
     for (const Definition* base : std::get<Interface>(interface.body).bases) {
-        if (std::find(into.begin(), into.end(), base) == into.end()) into.push_back(base);
+        if (std::find(into.begin(), into.end(), base) != into.end()) continue;
+        into.push_back(base);
         collect_bases(*base, into);
     }
 }

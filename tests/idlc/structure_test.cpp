@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 #include "tests/idlc/support.hpp"
@@ -78,6 +79,22 @@ TEST(StructureTest, EndsForRecursiveTypes) {
               "interface IDL:M:1.0\n"
               "operation 0 of IDL:M:1.0: void f(in IDL:Node:1.0 root)\n"
               "struct IDL:Node:1.0 { sequence<IDL:Node:1.0> children; }\n");
+}
+
+// There are as many ways up as 2 to the power of the diamonds.
+TEST(StructureTest, EndsForManyDiamonds) {
+    constexpr int diamonds = 64;
+    std::string text = "interface D0 { void f(); };";
+    for (int i = 0; i < diamonds; ++i) {
+        const std::string below = std::to_string(i);
+        const std::string here = std::to_string(i + 1);
+        text += "interface A" + here + " : D" + below + " {}; interface B" + here + " : D" + below +
+                " {}; interface D" + here + " : A" + here + ", B" + here + " {};";
+    }
+    text += "interface M : D" + std::to_string(diamonds) + " {};";
+    const std::string structure = structure_of(text);
+    EXPECT_EQ(std::count(structure.begin(), structure.end(), '\n'), 1 + (3 * diamonds + 1) + 1)
+        << structure;
 }
 
 TEST(StructureTest, HasNoOperationsOfALocalInterface) {
