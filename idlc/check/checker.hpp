@@ -186,6 +186,8 @@ class Checker {
     std::vector<std::pair<const model::Definition*, Location>> forward_;
     /// Where repository ids were given by a directive.
     std::map<const model::Definition*, Location> given_ids_;
+    /// Those of which the directive gave only the version.
+    std::set<const model::Definition*> given_versions_;
     /// What the names of interfaces open: an alias of an interface can be inherited, too.
     std::map<const model::Definition*, Scope*> interface_scopes_;
     /// What the ids of scopes begin with that have a typeprefix.

@@ -81,8 +81,11 @@ void Checker::set_prefix(const ast::IdDirective& directive, const Symbol& symbol
     for (const auto& definition : model_.storage) {
         const std::string name = slashed(model::scoped_name(*definition));
         const bool inside = name == around || name.starts_with(around + '/');
-        if (!inside || given_ids_.count(definition.get()) != 0) continue;
-        definition->repository_id = "IDL:" + joined(directive.text, name) + ":1.0";
+        const bool whole_id_given =
+            given_ids_.count(definition.get()) > given_versions_.count(definition.get());
+        if (!inside || whole_id_given) continue;
+        std::string& id = definition->repository_id;
+        id = "IDL:" + joined(directive.text, name) + id.substr(id.rfind(':'));
     }
     type_prefixes_[symbol.scope] = prefix;
     if (&place.scope == symbol.scope) place.prefix.around = prefix;
@@ -113,6 +116,9 @@ void Checker::set_id(const ast::Declaration& declaration, const ast::IdDirective
                                quote(definition.repository_id) + " already");
         diagnostics_.note(given->second, "given here");
         return;
+    }
+    if (first && directive.kind == ast::IdDirective::Kind::version) {
+        given_versions_.insert(&definition);
     }
     definition.repository_id = std::move(id);
 }

@@ -124,6 +124,12 @@ TEST(RepositoryIdTest, ATypePrefixHoldsForAllOfItsScope) {
                              "module M { interface K {}; };\n"),
               (Ids{"IDL:omg.org/M:1.0", "IDL:omg.org/M/I:1.0", "IDL:omg.org/M/J:1.0",
                    "IDL:omg.org/M:1.0", "IDL:omg.org/M/K:1.0"}));
+    EXPECT_EQ(repository_ids("module M { interface I {};\n"
+                             "#pragma version I 2.0\n"
+                             "interface J {};\n"
+                             "#pragma ID J \"IDL:x:3.0\"\n"
+                             "typeprefix M \"omg.org\"; };\n"),
+              (Ids{"IDL:omg.org/M:1.0", "IDL:omg.org/M/I:2.0", "IDL:x:3.0"}));
 }
 
 /// The last definition of the file.
