@@ -125,6 +125,7 @@ function(canorb_target_idl target)
     _canorb_idl_view(${target})
     set(directory "${CMAKE_CURRENT_BINARY_DIR}/idl/${target}")
     set(inherited "$<TARGET_PROPERTY:${target}.idl-view,INTERFACE_INCLUDE_DIRECTORIES>")
+    set(inherited "$<REMOVE_DUPLICATES:${inherited}>")
 
     set(idl_directories)
     set(header_directories "${directory}")

@@ -140,11 +140,12 @@ bool is_missing_file(const Message& message) {
             message.text.starts_with("no include path in which to search for "));
 }
 
-std::string tried(const fs::path& path, const std::string& why) {
-    const fs::path directory = path.parent_path();
+/// `file` in `directory`, which is what `why` names.
+std::string tried(const fs::path& directory, const std::string& file, const std::string& why) {
     std::error_code ignored;
     const bool exists = directory.empty() || fs::is_directory(directory, ignored);
-    return "  " + path.string() + "  (" + why + (exists ? "" : ", which does not exist") + ")\n";
+    return "  " + (directory / file).string() + "  (" + why +
+           (exists ? "" : ", which does not exist") + ")\n";
 }
 
 /// Where the preprocessor looks, in its order.
@@ -152,14 +153,14 @@ std::string paths_tried(const std::string& name, const Position& position,
                         const std::vector<std::string>& include_directories) {
     const std::string file = name.substr(1, name.size() - 2);
     const bool quoted = name.front() == '"';
-    if (fs::path{file}.is_absolute()) return "tried:\n" + tried(file, "as written");
+    if (fs::path{file}.is_absolute()) return "tried:\n" + tried({}, file, "as written");
     std::string text;
     if (quoted) {
-        text += tried(fs::path{position.file}.parent_path() / file,
+        text += tried(fs::path{position.file}.parent_path(), file,
                       "the directory of the including file");
     }
     for (const std::string& directory : include_directories) {
-        text += tried(fs::path{directory} / file, "-I " + directory);
+        text += tried(directory, file, "-I " + directory);
     }
     if (text.empty()) {
         return "tried: nothing. <> looks in the directories of -I only, and none is given\n";

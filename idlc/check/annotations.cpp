@@ -83,7 +83,14 @@ void Checker::check_annotations(const std::vector<ast::Annotation>& annotations,
             found = at->own(declared.parts.back().text) != nullptr;
         }
         if (found || (declared.parts.size() > 1 && is_declared(scope, declared))) continue;
-        diagnostics_.warning(where, "the annotation @" + name + " is ignored");
+        std::string text = "the annotation @" + name + " is ignored";
+        for (const Known& one : known_annotations) {
+            if (name.size() <= 2 * one.name.size() && distance(lower_case(name), one.name) <= 2) {
+                text += "; did you mean @" + std::string{one.name} + '?';
+                break;
+            }
+        }
+        diagnostics_.warning(where, std::move(text));
     }
 }
 
@@ -110,11 +117,12 @@ std::optional<unsigned> Checker::annotation_number(const std::vector<ast::Annota
                                                    std::string_view name, unsigned lowest,
                                                    unsigned highest, Scope& scope) {
     model::Type type;
-    type.kind = model::TypeKind::uint32;
+    type.kind = model::TypeKind::int64;
     const auto value = annotation_value(annotations, name, type, scope);
     if (!value) return std::nullopt;
-    const std::uint64_t number = std::get<std::uint64_t>(*value);
-    if (number >= lowest && number <= highest) return static_cast<unsigned>(number);
+    const std::int64_t number = std::get<std::int64_t>(*value);
+    if (number >= std::int64_t{lowest} && number <= std::int64_t{highest})
+        return static_cast<unsigned>(number);
     const auto found =
         std::find_if(annotations.begin(), annotations.end(),
                      [&](const ast::Annotation& one) { return ast::to_string(one.name) == name; });

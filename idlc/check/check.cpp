@@ -42,6 +42,7 @@ model::Model Checker::run(const ast::File& file) {
 }
 
 void Checker::declarations(const std::vector<ast::Declaration>& list, const Place& place) {
+    for (const ast::Declaration& declaration : list) place.scope.expect(declaration.name);
     for (const ast::Declaration& declaration : list) {
         if (diagnostics_.full()) return;
         std::visit([&](const auto& body) { declare(declaration, body, place); }, declaration.body);

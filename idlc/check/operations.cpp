@@ -19,6 +19,7 @@ bool is_local_exception(const model::Definition& exception) {
 
 void Checker::body(const ast::Interface& interface, model::Interface& body, const Place& place) {
     operation_places_.clear();
+    for (const ast::Declaration& member : interface.body) place.scope.expect(member.name);
     for (const ast::Declaration& member : interface.body) {
         if (diagnostics_.full()) return;
         if (const auto* operation = std::get_if<ast::Operation>(&member.body)) {

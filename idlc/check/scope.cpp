@@ -24,21 +24,6 @@ const Symbol* choose(const std::vector<const Symbol*>& found, const ast::Identif
     return found.front();
 }
 
-/// How many letters must be changed, added or left out to make one of the other.
-std::size_t distance(std::string_view a, std::string_view b) {
-    std::vector<std::size_t> row(b.size() + 1);
-    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-    for (std::size_t i = 1; i <= a.size(); ++i) {
-        std::size_t diagonal = std::exchange(row[0], i);
-        for (std::size_t j = 1; j <= b.size(); ++j) {
-            const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
-            diagonal = row[j];
-            row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
-        }
-    }
-    return row[b.size()];
-}
-
 std::vector<const Symbol*> find_outwards(const Scope& scope, const ast::ScopedName& name) {
     const Scope* from = &scope;
     while (name.global && from->parent() != nullptr) from = from->parent();
@@ -59,6 +44,20 @@ std::string lower_case(std::string_view name) {
     return lower;
 }
 
+std::size_t distance(std::string_view a, std::string_view b) {
+    std::vector<std::size_t> row(b.size() + 1);
+    for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+    for (std::size_t i = 1; i <= a.size(); ++i) {
+        std::size_t diagonal = std::exchange(row[0], i);
+        for (std::size_t j = 1; j <= b.size(); ++j) {
+            const std::size_t replaced = diagonal + (a[i - 1] == b[j - 1] ? 0 : 1);
+            diagonal = row[j];
+            row[j] = std::min({replaced, row[j] + 1, row[j - 1] + 1});
+        }
+    }
+    return row[b.size()];
+}
+
 Symbol* Scope::declare(Symbol symbol, Diagnostics& diagnostics) {
     if (const Symbol* previous = own(symbol.name)) {
         diagnostics.error(symbol.where, previous->name == symbol.name
@@ -70,8 +69,11 @@ Symbol* Scope::declare(Symbol symbol, Diagnostics& diagnostics) {
     }
     std::string key = lower_case(symbol.name);
     if (key == lower_case(name_)) {
-        diagnostics.error(symbol.where,
-                          quote(symbol.name) + " is the name of the scope that it is declared in");
+        diagnostics.error(symbol.where, symbol.name == name_
+                                            ? quote(symbol.name) +
+                                                  " is the name of the scope that it is declared in"
+                                            : quote(symbol.name) + " differs only in case from " +
+                                                  quote(name_) + ", which it is declared in");
         return nullptr;
     }
     const auto used = used_.find(key);
@@ -132,6 +134,18 @@ void Scope::use(const ast::Identifier& name) {
     if (own(name.text) == nullptr) used_.emplace(lower_case(name.text), name);
 }
 
+void Scope::expect(const ast::Identifier& name) {
+    expected_.emplace(name.text, name.where);
+}
+
+std::optional<Location> Scope::declared_later(const ast::Identifier& name) const {
+    for (const Scope* at = this; at != nullptr; at = at->parent_) {
+        const auto found = at->expected_.find(name.text);
+        if (found != at->expected_.end() && found->second > name.where) return found->second;
+    }
+    return std::nullopt;
+}
+
 std::string Scope::similar(std::string_view name) const {
     std::string best;
     // The time it takes grows with the square of the length.
@@ -177,11 +191,13 @@ const Symbol* resolve(const Scope& scope, const ast::ScopedName& name, std::stri
             found = looked_in->visible(part.text);
         }
         if (found.empty()) {
-            const std::string near = looked_in->similar(part.text);
+            const std::optional<Location> later = looked_in->declared_later(part);
+            const std::string near = later ? std::string{} : looked_in->similar(part.text);
             diagnostics.error(part.where,
                               "there is no " + std::string{what} + ' ' + quote(part.text) +
                                   (i == 0 ? "" : " in " + quote(symbol->name)) +
                                   (near.empty() ? "" : "; did you mean " + quote(near) + '?'));
+            if (later) diagnostics.note(*later, "it is declared only here, behind its use");
             return nullptr;
         }
         symbol = choose(found, part, diagnostics);

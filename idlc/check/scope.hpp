@@ -1,7 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -68,6 +70,11 @@ class Scope {
     /// declared here with another meaning.
     void use(const ast::Identifier& name);
 
+    /// Notes a declaration of this scope that is yet to be read, for messages on its use before.
+    void expect(const ast::Identifier& name);
+    /// Where this scope or one around it declares the name behind its use.
+    std::optional<Location> declared_later(const ast::Identifier& name) const;
+
     /// The name that is most like this one, of those visible from here; empty when none is near.
     std::string similar(std::string_view name) const;
 
@@ -78,9 +85,13 @@ class Scope {
     std::vector<const Scope*> ancestors_;  ///< direct or not, each once
     std::map<std::string, Symbol, std::less<>> symbols_;
     std::map<std::string, ast::Identifier, std::less<>> used_;
+    std::map<std::string, Location, std::less<>> expected_;
 };
 
 std::string lower_case(std::string_view name);
+
+/// How many letters must be changed, added or left out to make one of the other.
+std::size_t distance(std::string_view a, std::string_view b);
 
 /// Resolves a scoped name from within `scope`, outwards; null when it fails, which is reported.
 /// `what` says what is looked for, "type". It is no use of the name: see Scope::use().

@@ -123,7 +123,11 @@ class Parser : public DataParser {
         if (is("attribute") || is("readonly") || is("oneway") || is("void")) {
             fail(quote(current().text) + " belongs inside an interface");
         }
-        if (is_name(current())) fail("expected a declaration, not " + quote(current().text));
+        if (is_name(current())) {
+            const std::string_view keyword = collides_with_keyword(current().text);
+            fail("expected a declaration, not " + quote(current().text) +
+                 (keyword.empty() ? "" : ": the keyword is " + quote(keyword)));
+        }
         fail_expected("a declaration");
     }
 
