@@ -94,13 +94,13 @@ run(1 "^part.idl:2:11: error: cannot find the included file <x/nowhere.idl>
 \t#include <x/nowhere.idl>
 \t         \\^
 tried, in this order:
-  inc/x/nowhere.idl  \\(-I inc, which does not exist\\)
-  ./x/nowhere.idl  \\(-I ., which does not exist\\)
+  inc/x/nowhere.idl  \\(-I inc\\)
+  absent/x/nowhere.idl  \\(-I absent, which does not exist\\)
 [^\n]*
 main.idl:1:1: note: included from here
 #include \"part.idl\"
 \\^
-$" -Iinc -I . --check main.idl)
+$" -Iinc -I absent --check main.idl)
 file(WRITE "${directory}/part.idl" "#include \"nowhere.idl\"\n")
 run(1 "tried, in this order:\n  nowhere.idl  .the directory of the including file.\n  inc/nowhere.idl  .-I inc.\n"
     -I inc --check main.idl)
