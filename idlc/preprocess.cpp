@@ -43,8 +43,37 @@ std::string content(std::FILE* file) {
     return text;
 }
 
-/// A directory with the file that CORBA has include for the types of module CORBA. It is empty:
-/// the compiler knows them.
+/// What CORBA wants of orb.idl, apart from what the compiler knows itself and from valuetypes. For
+/// C++ the same is in <canorb/corba.hpp>.
+constexpr std::string_view orb_idl = R"(#ifndef CANORB_ORB_IDL
+#define CANORB_ORB_IDL
+#pragma prefix "omg.org"
+module CORBA {
+  typedef string Identifier;
+  typedef string RepositoryId;
+  typedef string ScopedName;
+  typedef string VersionSpec;
+  typedef sequence<any> AnySeq;
+  typedef sequence<boolean> BooleanSeq;
+  typedef sequence<char> CharSeq;
+  typedef sequence<wchar> WCharSeq;
+  typedef sequence<octet> OctetSeq;
+  typedef sequence<short> ShortSeq;
+  typedef sequence<unsigned short> UShortSeq;
+  typedef sequence<long> LongSeq;
+  typedef sequence<unsigned long> ULongSeq;
+  typedef sequence<long long> LongLongSeq;
+  typedef sequence<unsigned long long> ULongLongSeq;
+  typedef sequence<float> FloatSeq;
+  typedef sequence<double> DoubleSeq;
+  typedef sequence<long double> LongDoubleSeq;
+  typedef sequence<string> StringSeq;
+  typedef sequence<wstring> WStringSeq;
+};
+#endif
+)";
+
+/// A directory with the file that CORBA has include for the types of module CORBA.
 class OwnFiles {
   public:
     OwnFiles() {
@@ -52,7 +81,7 @@ class OwnFiles {
         std::string name = std::filesystem::temp_directory_path(error) / "canorb-idlc-XXXXXX";
         if (error || mkdtemp(name.data()) == nullptr) return;
         directory_ = name;
-        std::ofstream{file()};
+        std::ofstream{file()} << orb_idl;
     }
     ~OwnFiles() {
         std::error_code ignored;

@@ -20,7 +20,7 @@ struct Preprocessed {
 /// Runs the host's C preprocessor, `cpp`, `gcc -E` or `clang -E`, on the file. Comments and
 /// linemarkers stay in the text. An included file is looked for in the directory of the file that
 /// includes it, where it is in quotes, then in `include_directories`, and nowhere else; but
-/// there is an orb.idl, empty, where there is no other, and its name in linemarkers is <orb.idl>.
+/// there is an orb.idl where there is no other, and its name in linemarkers is <orb.idl>.
 Preprocessed preprocess(const std::string& file, const PreprocessorOptions& options);
 
 }  // namespace canorb::idlc

@@ -119,6 +119,10 @@ std::string base_name(const std::string& path) {
 /// `#include "other.hpp"` for each "other.idl" that the main file includes.
 std::string included_headers(const model::Model& model) {
     std::string text;
+    const bool has_orb_idl = std::any_of(
+        model.storage.begin(), model.storage.end(),
+        [](const auto& definition) { return definition->provenance.file == "<orb.idl>"; });
+    if (has_orb_idl) text = "#include <canorb/corba.hpp>\n";
     for (const std::string& spelled : model.includes) {
         // The generated files do not lie as the IDL files do: the name is what they share.
         const bool elsewhere = spelled.starts_with('/') || spelled.starts_with("../");

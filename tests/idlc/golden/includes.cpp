@@ -13,11 +13,13 @@ namespace Devices {
 void encode(canorb::ccdr::Encoder& out, const Station& value) {
     encode(out, value.all);
     encode(out, value.painted);
+    encode(out, value.labels);
 }
 
 void decode(canorb::ccdr::Decoder& in, Station& value) {
     decode(in, value.all);
     decode(in, value.painted);
+    decode(in, value.labels);
 }
 
 void encode(canorb::ccdr::Encoder& out, const Pump& value) {

@@ -5,6 +5,7 @@
 #include <canorb/servant.hpp>
 #include <canorb/stub.hpp>
 #include <canorb/types.hpp>
+#include <canorb/corba.hpp>
 #include "devices.hpp"
 #include "types.hpp"
 
@@ -16,12 +17,13 @@
 
 namespace Devices {
 
-using Motors = std::array<Motor, 3>;  // includes.idl:7
+using Motors = std::array<Motor, 3>;  // includes.idl:8
 
-// includes.idl:9
+// includes.idl:10
 struct Station {
     Motors all{};
     Types::Colour painted{};
+    CORBA::StringSeq labels;
 
     friend bool operator==(const Station&, const Station&) = default;
 };
@@ -29,20 +31,21 @@ void encode(canorb::ccdr::Encoder& out, const Station& value);
 void decode(canorb::ccdr::Decoder& in, Station& value);
 template <canorb::OutputStream Stream>
 Stream& operator<<(Stream& out, const Station& value) {
-    return canorb::print_members(out, "all", value.all, "painted", value.painted);
+    return canorb::print_members(out, "all", value.all, "painted", value.painted,
+        "labels", value.labels);
 }
 constexpr std::string_view type_code_of(const Station*) {
-    return {"\017\030IDL:Devices/Station:1.0\000\001\000\002\001\000\024\016\026IDL:Devices/M"
+    return {"\017\030IDL:Devices/Station:1.0\000\001\000\003\001\000\024\016\026IDL:Devices/M"
         "otor:1.0\000\001\000\003\001\000\021\025IDL:Types/Colour:1.0\000\001\000\003\001"
-        "\000\001\000\001\000", 93};
+        "\000\001\000\001\000\001\000\023\022\000\000", 99};
 }
 
 /// What stubs and skeletons share about IDL:Devices/Pump:1.0.
 inline constexpr const canorb::InterfaceInfo* PumpBases[] = {&MotorInterface};
 inline constexpr canorb::InterfaceInfo PumpInterface{
-    "IDL:Devices/Pump:1.0", PumpBases, 0x172573BC};
+    "IDL:Devices/Pump:1.0", PumpBases, 0x03B91978};
 
-// includes.idl:14
+// includes.idl:16
 class Pump : public virtual Motor {
   public:
     static constexpr const canorb::InterfaceInfo& _interface = PumpInterface;
@@ -57,7 +60,7 @@ class Pump : public virtual Motor {
     /// A copy that calls `callback` when a call through it is on the bus.
     Pump with_sent(canorb::SentCallback callback) const;
 
-    // includes.idl:15, operation 8, raises Types::Failed
+    // includes.idl:17, operation 8, raises Types::Failed
     void paint(Types::Colour fresh, const Station& where) const;
 };
 void encode(canorb::ccdr::Encoder& out, const Pump& value);
@@ -72,13 +75,13 @@ constexpr std::string_view type_code_of(const Pump*) {
 
 namespace Devices {
 
-// includes.idl:14
+// includes.idl:16
 class PumpServant : public virtual MotorServant {
   public:
     const canorb::InterfaceInfo& _interface_info() const override { return PumpInterface; }
     void _dispatch(canorb::ServerCall& call) override;
 
-    // includes.idl:15, raises Types::Failed
+    // includes.idl:17, raises Types::Failed
     virtual void paint(Types::Colour fresh, const Station& where) = 0;
 };
 
