@@ -293,6 +293,21 @@ model::Definition* Checker::declare_name(const ast::Declaration& declaration, Sy
     return declared->definition;
 }
 
+Symbol* Checker::declare_composite(const ast::Declaration& declaration,
+                                   decltype(model::Definition::body) body, Scope::Kind kind,
+                                   const Place& place) {
+    // The definition joins the list of its place where it is complete.
+    Definitions nowhere;
+    model::Definition* definition = declare_name(
+        declaration, Symbol::Kind::type, {place.scope, place.parent, nowhere, place.prefix});
+    if (definition == nullptr) return nullptr;
+    definition->body = std::move(body);
+    Symbol* symbol = place.scope.own(declaration.name.text);
+    symbol->scope = &new_scope(kind, &place.scope, declaration.name.text);
+    incomplete_.insert(definition);
+    return symbol;
+}
+
 Scope& Checker::new_scope(Scope::Kind kind, Scope* parent, const std::string& name) {
     return scopes_.emplace_back(kind, parent, name);
 }

@@ -71,6 +71,11 @@ class Checker {
     /// The definition, with its name declared; null when the name is taken.
     model::Definition* declare_name(const ast::Declaration& declaration, Symbol::Kind kind,
                                     const Place& place);
+    /// A struct, union or interface that is declared from now on, and not yet defined; null when
+    /// the name is taken.
+    Symbol* declare_composite(const ast::Declaration& declaration,
+                              decltype(model::Definition::body) body, Scope::Kind kind,
+                              const Place& place);
     Scope& new_scope(Scope::Kind kind, Scope* parent, const std::string& name);
     model::Provenance provenance(Location where) const;
 

@@ -29,20 +29,9 @@ Symbol* Checker::interface_symbol(const ast::Declaration& declaration, model::In
             return nullptr;
         }
     }
-    Symbol symbol;
-    symbol.name = name;
-    symbol.where = declaration.name.where;
-    symbol.kind = Symbol::Kind::type;
-    Symbol* declared = place.scope.declare(std::move(symbol), diagnostics_);
-    if (declared == nullptr) return nullptr;
-    // The definition joins the list of its module when the interface itself is there.
-    Definitions nowhere;
-    declared->definition =
-        &new_definition(declaration, {place.scope, place.parent, nowhere, place.prefix});
-    declared->definition->body = model::Interface{kind, {}, {}, {}};
-    declared->scope = &new_scope(Scope::Kind::interface, &place.scope, name);
-    interface_scopes_.emplace(declared->definition, declared->scope);
-    incomplete_.insert(declared->definition);
+    Symbol* declared = declare_composite(declaration, model::Interface{kind, {}, {}, {}},
+                                         Scope::Kind::interface, place);
+    if (declared != nullptr) interface_scopes_.emplace(declared->definition, declared->scope);
     return declared;
 }
 

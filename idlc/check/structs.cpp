@@ -61,21 +61,7 @@ Symbol* Checker::composite_symbol(const ast::Declaration& declaration, const Pla
         std::holds_alternative<Body>(known->definition->body)) {
         return known;
     }
-    check_hides_no_operation(declaration, place.scope);
-    Symbol symbol;
-    symbol.name = declaration.name.text;
-    symbol.where = declaration.name.where;
-    symbol.kind = Symbol::Kind::type;
-    Symbol* declared = place.scope.declare(std::move(symbol), diagnostics_);
-    if (declared == nullptr) return nullptr;
-    // The definition joins the list of its place where it is complete.
-    Definitions nowhere;
-    declared->definition =
-        &new_definition(declaration, {place.scope, place.parent, nowhere, place.prefix});
-    declared->definition->body = Body{};
-    declared->scope = &new_scope(Scope::Kind::members, &place.scope, declaration.name.text);
-    incomplete_.insert(declared->definition);
-    return declared;
+    return declare_composite(declaration, Body{}, Scope::Kind::members, place);
 }
 
 void Checker::open_composite(const ast::Declaration& declaration, const Symbol& symbol,
