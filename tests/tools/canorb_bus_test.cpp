@@ -628,15 +628,19 @@ TEST_F(CanorbBus, HasControllersThatRecoverByThemselves) {
     ASSERT_TRUE(std::holds_alternative<TransmitHandle>(sender->send(Frame::standard(1, data))));
     std::vector<ControllerState> states;
     pollfd descriptor{sender->event_fd(), POLLIN, 0};
-    while (states.size() < 3 && ::poll(&descriptor, 1, patience_ms) == 1) {
+    while ((states.empty() || states.back() != ControllerState::error_active) &&
+           ::poll(&descriptor, 1, patience_ms) == 1) {
         while (const auto event = sender->poll()) {
             const auto* change = std::get_if<StateChanged>(&*event);
             if (change != nullptr) states.push_back(change->status.state);
         }
     }
+    // A client that is late hears of the last of several changes.
+    if (!states.empty() && states.front() == ControllerState::error_passive) {
+        states.erase(states.begin());
+    }
     EXPECT_THAT(states,
-                testing::ElementsAre(ControllerState::error_passive, ControllerState::bus_off,
-                                     ControllerState::error_active));
+                testing::ElementsAre(ControllerState::bus_off, ControllerState::error_active));
 }
 
 }  // namespace
