@@ -57,21 +57,13 @@ std::uint64_t scalar_octets(const Type& type) {
     }
 }
 
-/// The members of a struct with those that it inherits, of an exception or of a union.
-std::vector<const Member*> all_members(const Definition& definition) {
-    std::vector<const Member*> all;
-    const auto append = [&](const std::vector<Member>& members) {
-        for (const Member& member : members) all.push_back(&member);
-    };
-    if (const auto* body = std::get_if<Struct>(&definition.body)) {
-        if (body->base != nullptr) all = all_members(*body->base);
-        append(body->members);
-    } else if (const auto* exception = std::get_if<Exception>(&definition.body)) {
-        append(exception->members);
-    } else if (const auto* choice = std::get_if<Union>(&definition.body)) {
-        for (const UnionCase& one : choice->cases) all.push_back(&one.member);
+/// All that a value of a struct, exception or union can have in it.
+std::vector<const Member*> parts_of(const Definition& definition) {
+    std::vector<const Member*> parts = all_members(definition);
+    if (const auto* choice = std::get_if<Union>(&definition.body)) {
+        for (const UnionCase& one : choice->cases) parts.push_back(&one.member);
     }
-    return all;
+    return parts;
 }
 
 /// Whether `predicate` holds of a struct, union or interface that a value of the type consists of,
@@ -83,7 +75,7 @@ bool any_part(const Type& type, std::set<const Definition*>& seen, const Predica
     if (known.element != nullptr) return any_part(*known.element, seen, predicate);
     if (known.kind != TypeKind::named || !seen.insert(known.definition).second) return false;
     if (predicate(*known.definition)) return true;
-    const std::vector<const Member*> members = all_members(*known.definition);
+    const std::vector<const Member*> members = parts_of(*known.definition);
     return std::any_of(members.begin(), members.end(), [&](const Member* member) {
         return any_part(member->type, seen, predicate);
     });
@@ -113,7 +105,7 @@ bool is_local(const Type& type) {
 }
 
 bool is_recursive(const Definition& definition) {
-    const std::vector<const Member*> members = all_members(definition);
+    const std::vector<const Member*> members = parts_of(definition);
     return std::any_of(members.begin(), members.end(), [&](const Member* member) {
         std::set<const Definition*> seen;
         return any_part(member->type, seen,
@@ -127,7 +119,7 @@ bool takes_no_octets(const Type& type) {
     if (known.kind != TypeKind::named || !std::holds_alternative<Struct>(known.definition->body)) {
         return false;
     }
-    const std::vector<const Member*> members = all_members(*known.definition);
+    const std::vector<const Member*> members = parts_of(*known.definition);
     return std::all_of(members.begin(), members.end(),
                        [](const Member* member) { return takes_no_octets(member->type); });
 }
@@ -143,6 +135,22 @@ std::uint16_t FixedValue::digits() const {
 std::uint16_t FixedValue::scale() const {
     const std::size_t point = text.find('.');
     return static_cast<std::uint16_t>(point == std::string::npos ? 0 : text.size() - point - 1);
+}
+
+std::vector<const Member*> all_members(const Struct& structure) {
+    std::vector<const Member*> all;
+    if (structure.base != nullptr) all = all_members(*structure.base);
+    for (const Member& own : structure.members) all.push_back(&own);
+    return all;
+}
+
+std::vector<const Member*> all_members(const Definition& definition) {
+    if (const auto* body = std::get_if<Struct>(&definition.body)) return all_members(*body);
+    std::vector<const Member*> all;
+    if (const auto* exception = std::get_if<Exception>(&definition.body)) {
+        for (const Member& member : exception->members) all.push_back(&member);
+    }
+    return all;
 }
 
 std::string wire_name(const Operation& operation) {

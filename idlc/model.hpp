@@ -230,6 +230,11 @@ struct Definition {
         body = Module{};
 };
 
+/// The members of a struct, those that it inherits first.
+std::vector<const Member*> all_members(const Struct& structure);
+/// The same, or the members of an exception; none of other definitions.
+std::vector<const Member*> all_members(const Definition& definition);
+
 /// Whether a value of this struct or union can contain another of the same, through a sequence or
 /// map.
 bool is_recursive(const Definition& definition);

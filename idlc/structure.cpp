@@ -103,15 +103,6 @@ std::string spell(const Type& type, std::string (*name)(const Definition&)) {
     return arguments.empty() ? text : text + '<' + arguments + '>';
 }
 
-std::vector<const model::Member*> all_members(const model::Struct& structure) {
-    std::vector<const model::Member*> members;
-    if (structure.base != nullptr) {
-        members = all_members(std::get<model::Struct>(structure.base->body));
-    }
-    for (const model::Member& own : structure.members) members.push_back(&own);
-    return members;
-}
-
 namespace {
 
 struct LabelNumber {

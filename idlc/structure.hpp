@@ -18,9 +18,6 @@ std::string_view kind_of(const model::Definition& definition);
 /// "fixed<5,2>"; `name` spells enums, bitmasks, structs, unions and interfaces.
 std::string spell(const model::Type& type, std::string (*name)(const model::Definition&));
 
-/// Those that a struct inherits, then its own: what is sent of it, in order.
-std::vector<const model::Member*> all_members(const model::Struct& structure);
-
 /// The number that stands on the wire for the label of a union's case.
 std::string label_number(const model::Value& label);
 

@@ -9,9 +9,6 @@
 /// What the declarations of types consist of, and what comes with each in its namespace.
 namespace canorb::idlc::emit {
 
-/// The members of a struct, those that it inherits first, or of an exception.
-std::vector<const model::Member*> all_members(const model::Definition& definition);
-
 /// How the generated struct or exception calls its member.
 std::string member_name(const model::Definition& definition, const model::Member& member);
 

@@ -199,20 +199,6 @@ std::string declaration(const model::Definition& definition, const Names& names,
 
 }  // namespace
 
-std::vector<const model::Member*> all_members(const model::Definition& definition) {
-    std::vector<const model::Member*> all;
-    const auto append = [&](const Members& members) {
-        for (const model::Member& member : members) all.push_back(&member);
-    };
-    if (const auto* body = std::get_if<model::Struct>(&definition.body)) {
-        if (body->base != nullptr) all = all_members(*body->base);
-        append(body->members);
-    } else if (const auto* exception = std::get_if<model::Exception>(&definition.body)) {
-        append(exception->members);
-    }
-    return all;
-}
-
 std::string member_name(const model::Definition& definition, const model::Member& member) {
     // What the class of an exception has already.
     const bool is_taken =
