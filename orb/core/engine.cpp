@@ -33,7 +33,9 @@ Engine::Engine(const EngineOptions& options)
       incoming_(options.max_incoming_requests),
       notices_(options.transmit.max_messages + spare_notices),
       next_request_id_(options.first_request_id),
-      last_request_ids_(standard_identifiers) {}
+      last_request_ids_(standard_identifiers) {
+    held_.reserve(options.max_held_requests);
+}
 
 void Engine::set_node(std::optional<NodeId> node) {
     if (node == options_.node) return;
@@ -59,7 +61,21 @@ bool Engine::deactivate(ObjectIndex index) {
     const std::size_t groups = agent_.groups().size();
     agent_.leave_all(index);
     note_groups(groups);
+    held_may_go_ = true;  // what is held for it is refused
     return adapter_.deactivate(index);
+}
+
+void Engine::destroy_poa(poa::PoaId poa) {
+    for (ObjectIndex index = first_user_index; index <= last_object_index; ++index) {
+        const auto of = adapter_.poa_of(index);
+        if (of && adapter_.is_within(*of, poa)) static_cast<void>(deactivate(index));
+    }
+    adapter_.destroy(poa);
+}
+
+bool Engine::set_manager_state(poa::ManagerId manager, PoaManagerState state) {
+    held_may_go_ = true;
+    return adapter_.set_state(manager, state);
 }
 
 // One change only ever adds groups or only takes some away, so their number tells. Filters are not
@@ -185,21 +201,7 @@ bool Engine::ended(CallHandle handle) {
     return call == nullptr || call->state == OutstandingCalls::Call::State::ended;
 }
 
-// ---- calls in
-
-std::optional<IncomingRequest> Engine::next_request() {
-    while (auto request = incoming_.pop()) {
-        const auto* local = std::get_if<LocalCaller>(&request->answer_to);
-        if (local == nullptr) return request;
-        if (OutstandingCalls::Call* call = calls_.find_waiting(local->call)) {
-            call->begun = true;
-            return request;
-        }
-        // The caller has its TIMEOUT, completion NO: it must not run after that.
-        buffers_.release(std::move(request->parameters));
-    }
-    return std::nullopt;
-}
+// ---- answers
 
 void Engine::answer(const AnswerTo& to, giop::ReplyStatus status, MutableBytes message,
                     TimePoint now) {

@@ -36,6 +36,8 @@ struct EngineOptions {
     std::size_t max_outstanding_calls = 64;
     /// Requests that wait for a servant; a two-way one beyond is answered TRANSIENT.
     std::size_t max_incoming_requests = 64;
+    /// Requests that one holding POA manager keeps; a two-way one beyond is answered TRANSIENT.
+    std::size_t max_held_requests = 64;
     caniop::ReassemblerLimits receive{};
     caniop::TransmitLimits transmit{};
     /// Start of the request id counter; random, so that a restarted node repeats none.
@@ -58,7 +60,8 @@ using AnswerTo = std::variant<NoAnswer, RemoteCaller, LocalCaller>;
 struct IncomingRequest {
     AnswerTo answer_to{};
     std::optional<GroupId> group;     ///< nothing: one object
-    ObjectIndex object = 0;           ///< where it is for one object
+    ObjectIndex object = 0;           ///< where it is for one object, or for one member of a group
+    bool one_member = false;          ///< to a group, of which only `object` has not had it yet
     std::uint16_t interface_key = 0;  ///< where it is for a group; 0: unchecked
     OperationId operation = 0;
     Buffer parameters{};
@@ -97,6 +100,8 @@ using Notice = std::variant<std::monostate, MessageSent, MessageDropped, Duplica
 ///  * a two-way call ends exactly once, at its deadline at the latest (given on_time());
 ///  * a message that the link or a peer sends is executed at most once, and what is not executed
 ///    is counted;
+///  * what is held belongs to objects that were active when it came; each POA manager holds at most
+///    max_held_requests;
 ///  * while the link is down nothing is queued.
 class Engine {
   public:
@@ -113,6 +118,11 @@ class Engine {
     void leave(GroupId group, ObjectIndex index);
     /// Takes an object out of the adapter and of all groups; false when it was not active.
     [[nodiscard]] bool deactivate(ObjectIndex index);
+    /// Deactivates all objects of a POA and of those below it, then destroys these POAs.
+    void destroy_poa(poa::PoaId poa);
+    /// What is held goes on, or is refused, with the next next_request(). False when the manager
+    /// is inactive.
+    [[nodiscard]] bool set_manager_state(poa::ManagerId manager, PoaManagerState state);
 
     const Counters& counters() const { return counters_; }
     /// For what only the owner can see: servants' exceptions.
@@ -149,10 +159,21 @@ class Engine {
 
     // ---- calls in
 
-    /// The next Request for servants. Its buffer goes back with buffers().release().
-    std::optional<IncomingRequest> next_request();
-    /// Whether next_request() has something to give.
-    bool has_request() const { return !incoming_.empty(); }
+    /// The next Request that is to be served, or answered OBJECT_NOT_EXIST where the adapter finds
+    /// no servant. One whose POA manager is not active is held or refused instead. A Request to a
+    /// group comes once, and each member is asked for with admit(). The buffer of its parameters
+    /// goes back with buffers().release().
+    std::optional<IncomingRequest> next_request(TimePoint now);
+    /// Whether next_request() may have something to give.
+    bool has_request() const { return !incoming_.empty() || (held_may_go_ && !held_.empty()); }
+    /// Whether a member may be called now with a Request to its group. If not, it is held for that
+    /// member, or counted.
+    [[nodiscard]] bool admit(const IncomingRequest& request, ObjectIndex member);
+    /// Whether nobody waits: no two-way call for its answer, no Request for its servant, no
+    /// message for the bus. What is held does not count.
+    bool is_idle() const {
+        return incoming_.empty() && queue_.size() == 0 && calls_.next_deadline() == never;
+    }
     /// Answers a Request. `message` has giop::reply_header_size octets reserved in front of the
     /// body; one that is too long becomes IMP_LIMIT, YES. With NoAnswer it does nothing.
     void answer(const AnswerTo& to, giop::ReplyStatus status, MutableBytes message, TimePoint now);
@@ -189,6 +210,12 @@ class Engine {
     std::optional<SystemError> obstacle() const;
     bool is_own(ObjectKey target) const { return options_.node == target.node(); }
     [[nodiscard]] bool queue_local(IncomingRequest request, Bytes parameters);
+    std::optional<IncomingRequest> next_held(TimePoint now);
+    [[nodiscard]] bool is_wanted(const IncomingRequest& request);
+    [[nodiscard]] bool has_room_to_hold(ObjectIndex object);
+    void begin(const IncomingRequest& request);
+    void turn_away(IncomingRequest request, poa::Admission why, TimePoint now);
+    void give_up(IncomingRequest request);
     Result<caniop::MessageHandle, SystemError> enqueue(caniop::Identifier to, Bytes message,
                                                        TimePoint deadline);
 
@@ -216,6 +243,8 @@ class Engine {
     caniop::TransmitQueue queue_;
     OutstandingCalls calls_;
     Fifo<IncomingRequest> incoming_;
+    std::vector<IncomingRequest> held_;  ///< in the order of their coming
+    bool held_may_go_ = false;           ///< something changed since they were looked at
     Fifo<Notice> notices_;
     RequestId next_request_id_;
     bool filters_changed_ = true;

@@ -4,18 +4,6 @@
 
 namespace canorb {
 
-ObjectRef Poa::activate_object(Servant& servant) {
-    return orb_.activate(std::nullopt, servant);
-}
-
-ObjectRef Poa::activate_object_with_id(ObjectIndex index, Servant& servant) {
-    return orb_.activate(index, servant);
-}
-
-void Poa::deactivate_object(ObjectIndex index) {
-    orb_.deactivate(index);
-}
-
 Orb::Orb(Bus& bus, OrbOptions options)
     : impl_(std::make_shared<runtime::OrbImpl>(bus, std::move(options))) {}
 
@@ -74,6 +62,12 @@ bool Orb::run_for(Duration duration) {
 }
 void Orb::poll() {
     impl_->poll();
+}
+int Orb::event_fd() {
+    return impl_->event_fd();
+}
+bool Orb::drain(Duration limit) {
+    return impl_->drain(limit);
 }
 void Orb::shutdown() noexcept {
     impl_->shutdown();

@@ -1,7 +1,5 @@
 #include "orb/runtime/orb_impl.hpp"
 
-#include <poll.h>
-
 #include <algorithm>
 #include <cstdio>
 #include <random>
@@ -13,18 +11,6 @@ namespace canorb::runtime {
 namespace {
 
 constexpr std::size_t max_name = 16;
-
-/// Events from the controller between two looks at the clock.
-constexpr int max_events_in_a_row = 256;
-
-/// Events that wait for the event loop; more are only counted.
-constexpr std::size_t max_waiting_events = 256;
-
-/// Frames that a link takes at once and that are sent before it is asked what has come.
-constexpr int max_frames_in_a_row = 16;
-
-/// Servant calls and callbacks that one poll() runs at most.
-constexpr std::size_t max_polled = 256;
 
 std::string in_words(Duration duration) {
     return std::to_string(duration.count()) + " ns";
@@ -53,6 +39,11 @@ OrbOptions checked(OrbOptions options) {
         options.frames_in_controller == 0) {
         throw BAD_PARAM(
             "max_queued_messages, max_outstanding_calls and frames_in_controller must not be 0");
+    }
+    constexpr std::size_t most_workers = 256;
+    if (options.worker_threads > most_workers) {
+        throw BAD_PARAM("worker_threads " + std::to_string(options.worker_threads) +
+                        " is more than 256");
     }
     if (options.inter_frame_timeout <= Duration::zero()) {
         throw BAD_PARAM("inter_frame_timeout " + in_words(options.inter_frame_timeout) +
@@ -95,7 +86,13 @@ OrbImpl::OrbImpl(Bus& bus, OrbOptions options)
     : bus_(bus),
       options_(checked(std::move(options))),
       controller_(bus.attach(options_.name)),
-      engine_(engine_options(options_, bus_.simulation())) {
+      engine_(engine_options(options_, bus_.simulation())),
+      user_code_(std::max<std::size_t>(options_.worker_threads, 1)) {
+    if (bus_.simulation() != nullptr && options_.worker_threads > 0) {
+        throw BAD_PARAM("worker_threads: a simulation has one thread");
+    }
+    make_poa(poa::root_poa, make_manager(poa::root_manager));
+    servant_calls_.reserve(options_.worker_threads + UserCode::max_nesting);
     const can::ErrorStatus status = controller_->error_status();
     if (status.state != can::ControllerState::error_active) {
         engine_.on_event(can::StateChanged{status, now()}, now());
@@ -103,11 +100,18 @@ OrbImpl::OrbImpl(Bus& bus, OrbOptions options)
     if (Simulation* simulation = bus_.simulation()) simulation->impl().add(*this);
     Lock lock{mutex_};
     transmit(now());  // installs the filters
+    lock.unlock();
+    for (std::size_t i = 0; i < options_.worker_threads; ++i) {
+        workers_.emplace_back([this] { run_worker(); });
+    }
 }
 
-OrbImpl::~OrbImpl() = default;
+OrbImpl::~OrbImpl() {
+    stop_workers();
+}
 
 void OrbImpl::close() {
+    stop_workers();
     Lock lock{mutex_};
     if (bus_.simulation() == nullptr) {
         // Nothing is served any more: the servants may be gone already.
@@ -131,181 +135,6 @@ void OrbImpl::close() {
     const auto unsent = std::exchange(unsent_, {});
     const auto event_callback = std::exchange(event_callback_, nullptr);
     lock.unlock();
-}
-
-// ---- waiting
-
-template <typename Done>
-bool OrbImpl::wait(Lock& lock, Role role, TimePoint deadline, Done done) {
-    if (Simulation* simulation = bus_.simulation()) {
-        lock.unlock();
-        const bool ok = simulation->run_until(
-            [&] {
-                const Lock again{mutex_};
-                return done();
-            },
-            deadline);
-        lock.lock();
-        return ok;
-    }
-    ++waiting_;
-    if (role == Role::loop) ++loops_;
-    bool is_done = false;
-    for (;;) {
-        const TimePoint time = now();
-        // What came may be another thread's, who cannot see it any more where it sleeps.
-        if (exchange(time, may_run(role))) wake();
-        is_done = done();
-        // A caller that runs no event loop learns that its call was sent before it returns.
-        if (is_done && role == Role::caller && may_run(role) && run_sent(lock)) continue;
-        if (is_done || closed_ || time >= deadline) break;
-        if (too_deep() && refuse_nested(time)) continue;
-        if (may_run(role) && run_one(lock)) continue;
-        if (may_have_events_) continue;
-        const TimePoint until = std::min(deadline, wakeup(role));
-        if (!leading_) {
-            lead(lock, until);
-            continue;
-        }
-        ++sleeping_;
-        if (until == never) {
-            changed_.wait(lock);
-        } else {
-            changed_.wait_for(lock, until - time);
-        }
-        --sleeping_;
-    }
-    --waiting_;
-    if (role == Role::loop) --loops_;
-    // Somebody else must lead now, and what this thread left is perhaps theirs to run.
-    wake();
-    return is_done;
-}
-
-void OrbImpl::lead(Lock& lock, TimePoint until) {
-    const TimePoint time = now();
-    timespec timeout{};
-    if (until != never && until > time) {
-        const auto nanoseconds = (until - time).count();
-        timeout.tv_sec = static_cast<time_t>(nanoseconds / 1'000'000'000);
-        timeout.tv_nsec = static_cast<long>(nanoseconds % 1'000'000'000);
-    }
-    pollfd sources[] = {{wake_signal_.fd(), POLLIN, 0}, {controller_->event_fd(), POLLIN, 0}};
-    leading_ = true;
-    lock.unlock();
-    ::ppoll(sources, 2, until == never ? nullptr : &timeout, nullptr);
-    lock.lock();
-    leading_ = false;
-    if (sources[0].revents != 0) wake_signal_.clear();
-    if (sources[1].revents != 0) may_have_events_ = true;
-    wake_sleepers();
-}
-
-void OrbImpl::wake() {
-    if (leading_) wake_signal_.raise();
-    wake_sleepers();
-}
-
-void OrbImpl::wake_sleepers() {
-    if (sleeping_ > 0) changed_.notify_all();
-}
-
-bool OrbImpl::may_run(Role role) const {
-    if (role == Role::closing) return false;
-    if (depth_ > 0) return serving_thread_ == std::this_thread::get_id() && depth_ < max_nesting;
-    return role == Role::loop || loops_ == 0;
-}
-
-bool OrbImpl::too_deep() const {
-    return depth_ >= max_nesting && serving_thread_ == std::this_thread::get_id();
-}
-
-TimePoint OrbImpl::wakeup(Role role) const {
-    const TimePoint engine = engine_.next_deadline();
-    return may_run(role) ? std::min(engine, timers_.next()) : engine;
-}
-
-bool OrbImpl::exchange(TimePoint now, bool serving) {
-    bool any = false;
-    for (int i = 0; may_have_events_ && i < max_events_in_a_row; ++i) {
-        // Requests are served as they come, so that a burst of them waits in the controller's
-        // receive queue and not in ours.
-        if (serving && engine_.has_request()) break;
-        if (const auto event = controller_->poll()) {
-            engine_.on_event(*event, now);
-            any = true;
-        } else {
-            may_have_events_ = false;
-        }
-    }
-    engine_.on_time(now);
-    collect_notices();
-    transmit(now);
-    return any;
-}
-
-void OrbImpl::collect_notices() {
-    while (const auto notice = engine_.next_notice()) {
-        if (const auto* sent = std::get_if<core::MessageSent>(&*notice)) {
-            if (auto callback = take_sent_callback(sent->message)) {
-                sent_.push_back(std::move(*callback));
-            }
-        } else if (const auto* dropped = std::get_if<core::MessageDropped>(&*notice)) {
-            if (auto callback = take_sent_callback(dropped->message)) {
-                unsent_.push_back(std::move(*callback));
-            }
-        } else {
-            add_event(describe(*notice));
-        }
-    }
-}
-
-void OrbImpl::add_event(Event event) {
-    if (events_.size() < max_waiting_events) {
-        events_.push_back(std::move(event));
-    } else {
-        engine_.count(Counter::notices_lost);
-    }
-}
-
-void OrbImpl::transmit(TimePoint now) {
-    if (engine_.filters_changed()) {
-        const auto filters = engine_.take_filters(controller_->capabilities());
-        if (filters && !controller_->set_filters(filters->span())) {
-            add_event({Event::Kind::controller_state, now,
-                       "the CAN controller has no room for " + std::to_string(filters->size()) +
-                           " acceptance filters: this node may not hear all of its groups"});
-        }
-    }
-    while (const auto frame = engine_.next_abort()) controller_->abort(*frame);
-    int frames = 0;
-    while (const auto frame = engine_.next_frame(now)) {
-        if (++frames > max_frames_in_a_row) {
-            may_have_events_ = true;
-            break;
-        }
-        const can::SendResult result = controller_->send(*frame);
-        if (const auto* handle = std::get_if<can::TransmitHandle>(&result)) {
-            engine_.handed_over(*handle);
-        } else if (const auto* sent = std::get_if<can::TransmitResult>(&result)) {
-            engine_.handed_over(sent->handle);
-            engine_.on_event(*sent, now);
-        } else {
-            break;  // full, or an event about the link's state is on its way
-        }
-    }
-    collect_notices();
-}
-
-bool OrbImpl::refuse_nested(TimePoint now) {
-    bool any = false;
-    while (auto request = engine_.next_request()) {
-        engine_.count(request->group ? Counter::group_requests_dropped : Counter::requests_refused);
-        engine_.refuse(request->answer_to, {SystemErrorKind::transient, Completion::no}, now);
-        engine_.buffers().release(std::move(request->parameters));
-        any = true;
-    }
-    return any;
 }
 
 // ---- calls
@@ -395,73 +224,6 @@ std::optional<SystemError> OrbImpl::multicast(GroupId group, std::uint16_t inter
 void OrbImpl::give_back(core::Buffer body) {
     const Lock lock{mutex_};
     engine_.buffers().release(std::move(body));
-}
-
-// ---- the event loop
-
-bool OrbImpl::run_until(TimePoint deadline) {
-    Lock lock{mutex_};
-    require_open();
-    wait(lock, Role::loop, deadline, [&] { return shut_down_.load(); });
-    return !shut_down_;
-}
-
-void OrbImpl::poll() {
-    Lock lock{mutex_};
-    require_open();
-    if (bus_.simulation() != nullptr) {
-        wait(lock, Role::loop, now(), [] { return false; });
-        return;
-    }
-    ++waiting_;
-    may_have_events_ = true;  // nobody has waited for the controller
-    exchange(now(), may_run(Role::loop));
-    // Not for ever: who polls has other things to do.
-    for (std::size_t i = 0; i < max_polled && !closed_; ++i) {
-        if (!may_run(Role::loop) || !run_one(lock)) break;
-        exchange(now(), true);
-    }
-    --waiting_;
-    wake();
-}
-
-void OrbImpl::shutdown() noexcept {
-    shut_down_ = true;
-    wake_signal_.raise();
-}
-
-TimerId OrbImpl::add_timer(TimePoint time, Duration period, Callback callback) {
-    const Lock lock{mutex_};
-    require_open();
-    const auto id = timers_.add(time, period, std::move(callback));
-    wake();
-    return TimerId{id};
-}
-
-void OrbImpl::cancel_timer(TimerId timer) {
-    Lock lock{mutex_};
-    const auto cancelled = timers_.cancel(static_cast<Timers::Id>(timer));
-    lock.unlock();  // what the callback holds may call this ORB when it goes
-}
-
-bool OrbImpl::work() {
-    Lock lock{mutex_};
-    const TimePoint time = now();
-    may_have_events_ = true;  // a virtual bus wakes nobody
-    // What came may have ended a call: its caller must know before time goes on.
-    const bool came = exchange(time, may_run(Role::loop));
-    if (too_deep()) return refuse_nested(time) || came;
-    return (may_run(Role::loop) && run_one(lock)) || came;
-}
-
-bool OrbImpl::run_due_timer() {
-    Lock lock{mutex_};
-    return may_run(Role::loop) && run_timer(lock);
-}
-
-TimePoint OrbImpl::next_wakeup() const {
-    const Lock lock{mutex_};
-    return wakeup(Role::loop);
 }
 
 // ---- what happened

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <condition_variable>
 #include <deque>
@@ -18,8 +19,11 @@
 #include "orb/core/engine.hpp"
 #include "orb/core/reference.hpp"
 #include "orb/giop/format.hpp"
+#include "orb/runtime/condition.hpp"
 #include "orb/runtime/simulation_impl.hpp"
 #include "orb/runtime/timers.hpp"
+#include "orb/runtime/user_code.hpp"
+#include "orb/runtime/watch.hpp"
 
 namespace canorb::runtime {
 
@@ -54,19 +58,19 @@ class MessageBuffers {
 /// The Orb behind the facade: the engine, its link, its clock, and the threads that lend
 /// themselves to it.
 ///
-/// There is no thread of its own. A thread that runs the event loop, or that waits for a reply,
-/// does the ORB's work meanwhile. One of those waiting leads: it alone sleeps on the link; the
-/// others sleep on changed_ and are woken when the leader found something or leaves.
+/// It needs no thread of its own; workers are threads that run the event loop. A thread that runs
+/// the event loop, or that waits for a reply, does the ORB's work meanwhile. One of those waiting
+/// leads: it alone sleeps on the link; the others sleep on changed_ and are woken when the leader
+/// found something or leaves.
 ///
 /// Invariants:
 ///  * the engine and all members without a note are touched with mutex_ held;
-///  * user code (servants, timers, callbacks) runs with mutex_ released, one at a time: only in
-///    the thread that is serving already (a nested call), or when no thread is;
+///  * user code (servants, timers, callbacks) runs with mutex_ released, in as many threads at once
+///    as there are workers, or in one: in a thread that runs user code already (a nested call), or
+///    when fewer do;
 ///  * while a thread runs the event loop, others that wait for replies leave user code to it.
 class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public SimulatedOrb {
   public:
-    static constexpr int max_nesting = 8;
-
     OrbImpl(Bus& bus, OrbOptions options);
     ~OrbImpl() override;
 
@@ -77,9 +81,7 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     std::optional<NodeId> node() const;
     void set_node(int node);
 
-    Poa& root_poa() { return root_poa_; }
-    ObjectRef activate(std::optional<ObjectIndex> index, Servant& servant);
-    void deactivate(ObjectIndex index);
+    Poa& root_poa() { return *poas_.front(); }
 
     ObjectRef make_reference(core::Reference reference);
     ObjectRef string_to_object(std::string_view text);
@@ -94,6 +96,8 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     /// Runs the event loop until shutdown() (false) or the deadline (true).
     bool run_until(TimePoint deadline);
     void poll();
+    int event_fd();
+    bool drain(Duration limit);
     void shutdown() noexcept;
 
     TimePoint now() const { return bus_.now(); }
@@ -129,19 +133,40 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     TimePoint next_wakeup() const override;
 
   private:
+    friend class canorb::Poa;
+    friend class canorb::PoaManager;
+
     using Lock = std::unique_lock<std::mutex>;
+
+    /// A servant, and the object as which it is called now.
+    struct ServantCall {
+        const Servant* servant;
+        ObjectIndex object;
+        std::optional<poa::PoaId> poa;
+
+        friend bool operator==(const ServantCall&, const ServantCall&) = default;
+    };
 
     /// Why a thread waits.
     enum class Role : std::uint8_t { loop, caller, closing };
 
-    template <typename Done>
-    bool wait(Lock& lock, Role role, TimePoint deadline, Done done);
+    bool wait(Lock& lock, Role role, TimePoint deadline, const Condition& done);
     void lead(Lock& lock, TimePoint until);
+    void run_worker();
+    void stop_workers();
+    /// For wait_for_completion: throws BAD_INV_ORDER where it would be for ever.
+    void require_no_user_code(std::string_view what) const;
+    /// Waits until no servant is called for which `concerns(ServantCall)` is true.
+    template <typename Concerns>
+    void wait_for_completion(Lock& lock, Concerns concerns) {
+        ++sleeping_;
+        changed_.wait(lock, [&] { return std::ranges::none_of(servant_calls_, concerns); });
+        --sleeping_;
+    }
     void wake_sleepers();
     void wake();
 
     bool may_run(Role role) const;
-    bool too_deep() const;
     TimePoint wakeup(Role role) const;
     /// True: the controller had something to tell.
     bool exchange(TimePoint now, bool serving);
@@ -156,10 +181,14 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     bool run_timer(Lock& lock);
     /// What the code raised, in words; empty: nothing.
     std::string run_user_code(Lock& lock, std::function<void()> code);
+    /// The same for all user code but servants.
+    std::string run_callback(Lock& lock, std::function<void()> code);
     void report_failure(std::string_view what, const std::string& failure);
     void serve(Lock& lock, core::IncomingRequest request);
     void serve_object(Lock& lock, const core::IncomingRequest& request);
     void serve_group(Lock& lock, const core::IncomingRequest& request);
+    void serve_member(Lock& lock, const core::IncomingRequest& request, ObjectIndex member,
+                      MutableBytes buffer);
     void call_servant(Lock& lock, ObjectIndex object, Servant& servant, ServerCall& call);
     Event describe(const core::Notice& notice) const;
     void report(Lock& lock, Event event);
@@ -170,10 +199,18 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     void require_node() const;
     TimePoint deadline(Duration timeout) const;
     ObjectIndex local_index(const ObjectRef& object) const;
+    /// Throws when the POA, or the Orb, is gone.
+    poa::ObjectAdapter& adapter_with(poa::PoaId poa);
+    /// Throws ObjectNotActive.
+    Servant& servant_of(poa::PoaId poa, ObjectIndex index);
+    ObjectRef reference_to(ObjectIndex index, std::string_view repository_id);
+    void change_manager(poa::ManagerId manager, PoaManagerState state, bool wait,
+                        std::string_view what);
+    PoaManager& make_manager(poa::ManagerId id);
+    Poa& make_poa(poa::PoaId id, PoaManager& manager);
 
     Bus& bus_;
     const OrbOptions options_;
-    Poa root_poa_{*this};
     ReferenceOwner owner_{*this};
     MessageBuffers message_buffers_;
     const can::Signal wake_signal_;
@@ -198,8 +235,13 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     int loops_ = 0;     ///< threads in the event loop
     int waiting_ = 0;   ///< threads in wait()
     int sleeping_ = 0;  ///< threads that wait for changed_
-    int depth_ = 0;     ///< of nested user code
-    std::thread::id serving_thread_;
+    UserCode user_code_;
+    std::vector<ServantCall> servant_calls_;             ///< those that run now
+    std::vector<std::unique_ptr<PoaManager>> managers_;  ///< by ManagerId
+    std::vector<std::unique_ptr<Poa>> poas_;             ///< by PoaId, destroyed ones too
+    std::optional<Watch> watch_;                         ///< once event_fd() was asked for
+    bool stop_workers_ = false;
+    std::vector<std::thread> workers_;  ///< touched by constructor and destructor only
 };
 
 }  // namespace canorb::runtime

@@ -35,36 +35,6 @@ ObjectRef OrbImpl::make_reference(core::Reference reference) {
                      std::make_shared<const core::Reference>(std::move(reference))};
 }
 
-ObjectRef OrbImpl::activate(std::optional<ObjectIndex> index, Servant& servant) {
-    const Lock lock{mutex_};
-    require_open();
-    require_node();
-    const auto activated = index ? engine_.adapter().activate_with_id(*index, servant)
-                                 : engine_.adapter().activate(servant);
-    if (!activated) {
-        switch (activated.error()) {
-            case poa::ActivationError::object_already_active:
-                throw ObjectAlreadyActive{};
-            case poa::ActivationError::servant_already_active:
-                throw ServantAlreadyActive{};
-            case poa::ActivationError::index_out_of_range:
-                throw BAD_PARAM("object index " + std::to_string(*index) + " is not 1 to 1023");
-            case poa::ActivationError::exhausted:
-                throw NO_RESOURCES("all object indices from 1024 to 2047 have been given out");
-        }
-    }
-    return make_reference(
-        core::Reference::to_object(ObjectKey{*engine_.node(), *activated},
-                                   std::string{servant._interface_info().repository_id}));
-}
-
-void OrbImpl::deactivate(ObjectIndex index) {
-    const Lock lock{mutex_};
-    require_open();
-    if (!engine_.deactivate(index)) throw ObjectNotActive{};
-    transmit(now());
-}
-
 ObjectRef OrbImpl::string_to_object(std::string_view text) {
     auto reference = core::parse_reference(text);
     if (!reference) {

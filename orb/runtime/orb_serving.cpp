@@ -1,5 +1,6 @@
 // OrbImpl: servants and callbacks, one at a time.
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
@@ -10,13 +11,14 @@
 namespace canorb::runtime {
 
 bool OrbImpl::run_one(Lock& lock) {
-    if (!unsent_.empty()) {
+    const bool may_call_back = user_code_.may_call_back();
+    if (may_call_back && !unsent_.empty()) {
         // What a callback holds may call this ORB when it goes.
         auto unsent = std::exchange(unsent_, {});
-        run_user_code(lock, [&] { unsent.clear(); });
+        run_callback(lock, [&] { unsent.clear(); });
         return true;
     }
-    if (!events_.empty()) {
+    if (may_call_back && !events_.empty()) {
         Event event = std::move(events_.front());
         events_.pop_front();
         report(lock, std::move(event));
@@ -30,32 +32,46 @@ bool OrbImpl::run_one(Lock& lock) {
         served_last_ = false;
         return true;
     }
-    if (auto request = engine_.next_request()) {
-        served_last_ = true;
-        serve(lock, std::move(*request));
+    if (engine_.has_request()) {
+        if (auto request = engine_.next_request(now())) {
+            served_last_ = true;
+            serve(lock, std::move(*request));
+        } else {  // all were held, or are answered
+            transmit(now());
+            wake();
+        }
         return true;
     }
     return runs_timers && run_timer(lock);
 }
 
 bool OrbImpl::run_sent(Lock& lock) {
-    if (sent_.empty()) return false;
+    if (sent_.empty() || !user_code_.may_call_back()) return false;
     SentCallback callback = std::move(sent_.front());
     sent_.pop_front();
-    report_failure("a with_sent callback", run_user_code(lock, std::move(callback)));
+    report_failure("a with_sent callback", run_callback(lock, std::move(callback)));
     return true;
 }
 
 bool OrbImpl::run_timer(Lock& lock) {
+    if (!user_code_.may_call_back()) return false;
     auto callback = timers_.take_due(now());
     if (!callback) return false;
-    report_failure("a timer", run_user_code(lock, [timer = std::move(callback)] { (*timer)(); }));
+    report_failure("a timer", run_callback(lock, [timer = std::move(callback)] { (*timer)(); }));
     return true;
 }
 
+std::string OrbImpl::run_callback(Lock& lock, std::function<void()> code) {
+    const auto before = user_code_.begin_callback();
+    std::string failure = run_user_code(lock, std::move(code));
+    user_code_.end_callback(before);
+    // Others may go on with callbacks, which they could not a moment ago.
+    wake();
+    return failure;
+}
+
 std::string OrbImpl::run_user_code(Lock& lock, std::function<void()> code) {
-    serving_thread_ = std::this_thread::get_id();
-    ++depth_;
+    user_code_.begin();
     lock.unlock();
     std::string failure;
     try {
@@ -67,7 +83,7 @@ std::string OrbImpl::run_user_code(Lock& lock, std::function<void()> code) {
     }
     code = nullptr;  // here, because what it holds may call this ORB when it goes
     lock.lock();
-    --depth_;
+    user_code_.end();
     // Other threads may run user code now, and may have a deadline that was not there before.
     wake();
     return failure;
@@ -91,6 +107,8 @@ void OrbImpl::serve(Lock& lock, core::IncomingRequest request) {
 
 void OrbImpl::call_servant(Lock& lock, ObjectIndex object, Servant& servant, ServerCall& call) {
     engine_.count(Counter::requests_dispatched);
+    servant_calls_.push_back({&servant, object, engine_.adapter().poa_of(object)});
+    const ServantCall this_call = servant_calls_.back();
     const std::string failure = run_user_code(lock, [&servant, &call] {
         try {
             poa::dispatch(servant, call);
@@ -101,6 +119,8 @@ void OrbImpl::call_servant(Lock& lock, ObjectIndex object, Servant& servant, Ser
             throw;  // for the log: the caller learns no more than UNKNOWN
         }
     });
+    // The servant may be gone. Of equal calls any one will do.
+    servant_calls_.erase(std::ranges::find(servant_calls_, this_call));
     if (!failure.empty()) {
         report_failure("operation " + std::to_string(call.operation()) + " of object " +
                            std::to_string(object),
@@ -139,23 +159,34 @@ void OrbImpl::serve_object(Lock& lock, const core::IncomingRequest& request) {
 }
 
 void OrbImpl::serve_group(Lock& lock, const core::IncomingRequest& request) {
+    // A copy, in octets: a servant may leave, or make another one leave, while this runs.
+    core::Buffer members = engine_.buffers().acquire();
+    for (const mca::Member& member : engine_.agent().members(*request.group)) {
+        if (request.one_member && member.index != request.object) continue;
+        members.resize(members.size() + 2);
+        write_be16(&members[members.size() - 2], member.index);
+    }
     core::Buffer buffer = message_buffers_.take();
-    // A copy: a servant may leave, or make another one leave, while this runs.
-    const auto current = engine_.agent().members(*request.group);
-    const std::vector<mca::Member> members{current.begin(), current.end()};
-    for (const mca::Member& member : members) {
-        Servant* servant = engine_.adapter().find(member.index);
-        if (servant == nullptr || !engine_.agent().is_member(*request.group, member.index))
-            continue;
-        if (request.interface_key != 0 && !member.interface->has_group_key(request.interface_key)) {
-            engine_.count(Counter::group_interface_mismatches);
-            continue;
-        }
-        ServerCall call{request.operation, ccdr::Decoder{request.parameters, &owner_}, buffer};
-        call.oneway();
-        call_servant(lock, member.index, *servant, call);
+    for (std::size_t at = 0; at < members.size(); at += 2) {
+        serve_member(lock, request, read_be16(members.data() + at), buffer);
     }
     message_buffers_.give_back(std::move(buffer));
+    engine_.buffers().release(std::move(members));
+}
+
+void OrbImpl::serve_member(Lock& lock, const core::IncomingRequest& request, ObjectIndex member,
+                           MutableBytes buffer) {
+    Servant* servant = engine_.adapter().find(member);
+    if (servant == nullptr || !engine_.agent().is_member(*request.group, member)) return;
+    if (request.interface_key != 0 &&
+        !servant->_interface_info().has_group_key(request.interface_key)) {
+        engine_.count(Counter::group_interface_mismatches);
+        return;
+    }
+    if (!engine_.admit(request, member)) return;
+    ServerCall call{request.operation, ccdr::Decoder{request.parameters, &owner_}, buffer};
+    call.oneway();
+    call_servant(lock, member, *servant, call);
 }
 
 Event OrbImpl::describe(const core::Notice& notice) const {
@@ -183,13 +214,13 @@ Event OrbImpl::describe(const core::Notice& notice) const {
 void OrbImpl::report(Lock& lock, Event event) {
     event.text = options_.name + ": " + event.text;
     // Held by the code alone: it may be replaced meanwhile, and must not go with the mutex held.
-    const std::string failure = run_user_code(lock, [this, callback = event_callback_, &event] {
+    const std::string failure = run_callback(lock, [this, callback = event_callback_, &event] {
         options_.log(event.text);
         if (callback && *callback) (*callback)(event);
     });
     if (failure.empty()) return;
     // No event, which would raise the same again.
-    run_user_code(lock, [this, &failure] {
+    run_callback(lock, [this, &failure] {
         options_.log(options_.name + ": the event callback raised " + failure);
     });
 }

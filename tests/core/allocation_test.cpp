@@ -74,7 +74,7 @@ class Pair {
             from.on_event(can::TransmitResult{handle, can::TransmitOutcome::sent, now}, now);
             to.on_event(can::Received{*frame, now}, now);
         }
-        while (auto request = to.next_request()) {
+        while (auto request = to.next_request(now)) {
             std::array<std::uint8_t, giop::reply_header_size + 30> reply{};
             if (request->operation == 3) {
                 to.refuse(request->answer_to, {SystemErrorKind::no_permission, Completion::no},

@@ -221,7 +221,7 @@ class Network {
     }
 
     void serve(Peer& peer) {
-        while (auto request = peer.engine.next_request()) {
+        while (auto request = peer.engine.next_request(now)) {
             const auto made = calls.find(request->operation);
             ASSERT_NE(made, calls.end()) << describe(*request);
             EXPECT_EQ(request->parameters, made->second.parameters);

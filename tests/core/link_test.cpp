@@ -276,7 +276,7 @@ TEST(Filters, AnObjectDeactivatedLeavesItsGroups) {
         void _dispatch(poa::ServerCall&) override {}
     } servant;
     TestEngine node;
-    ASSERT_TRUE(node.engine.adapter().activate_with_id(1, servant).ok());
+    ASSERT_TRUE(node.engine.adapter().activate_with_id(poa::root_poa, 1, servant).ok());
     ASSERT_TRUE(node.engine.join(GroupId{3}, {1, &bell}));
     ASSERT_TRUE(node.engine.join(GroupId{5}, {1, &bell}));
     EXPECT_EQ(filters(node, 32).size(), 4U);

@@ -358,9 +358,9 @@ TEST(Answers, DroppedAndCountedWhenTheLinkIsDownOrTheNumberGone) {
     node.receive("4A3 1000050001280102");
     node.receive("4A3 1000050002280102");
     node.receive("4A3 1000050003280102");
-    auto first = node.engine.next_request();
-    auto second = node.engine.next_request();
-    auto third = node.engine.next_request();
+    auto first = node.engine.next_request(node.now);
+    auto second = node.engine.next_request(node.now);
+    auto third = node.engine.next_request(node.now);
     std::vector<std::uint8_t> message(giop::reply_header_size);
     node.state(can::ControllerState::bus_off);
     node.engine.answer(first->answer_to, giop::ReplyStatus::no_exception, message, node.now);
@@ -405,8 +405,8 @@ TEST(Answers, GoToTheCallerEvenWhenOthersAskedMeanwhile) {
     TestEngine node;
     node.receive("4A3 1000051234280102");
     node.receive("4A4 1000051234280103");
-    auto first = node.engine.next_request();
-    auto second = node.engine.next_request();
+    auto first = node.engine.next_request(node.now);
+    auto second = node.engine.next_request(node.now);
     node.caller = second->answer_to;
     node.answer("02");
     node.caller = first->answer_to;

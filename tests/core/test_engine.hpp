@@ -150,7 +150,7 @@ class TestEngine {
     /// All that wait for servants. The answer_to of the last is kept.
     Texts requests() {
         Texts texts;
-        while (auto request = engine.next_request()) {
+        while (auto request = engine.next_request(now)) {
             texts.push_back(describe(*request));
             caller = request->answer_to;
             engine.buffers().release(std::move(request->parameters));

@@ -207,7 +207,7 @@ class Owner {
     }
 
     void answer(std::uint8_t value) {
-        while (auto request = engine_.next_request()) {
+        while (auto request = engine_.next_request(now_)) {
             require(request->parameters.size() <= max_message - giop::request_header_size);
             if (value % 4 == 3) {
                 engine_.refuse(request->answer_to, {}, now_);

@@ -164,7 +164,7 @@ TEST(Story, ThroughTheEngine) {
     canorb::core::EngineOptions options;
     options.node = node_a;
     canorb::core::Engine engine{options};
-    const auto index = engine.adapter().activate(display);
+    const auto index = engine.adapter().activate(canorb::poa::root_poa, display);
     ASSERT_TRUE(index.ok());
     ASSERT_TRUE(engine.join(group, {*index, &display._interface_info()}));
     for (const auto payload : {first_frame, second_frame}) {
@@ -172,7 +172,7 @@ TEST(Story, ThroughTheEngine) {
         engine.on_event(canorb::can::Received{frame(payload), canorb::TimePoint{}},
                         canorb::TimePoint{});
     }
-    const auto incoming = engine.next_request();
+    const auto incoming = engine.next_request(canorb::TimePoint{});
     ASSERT_TRUE(incoming.has_value());
     EXPECT_TRUE(incoming->group == group);
     EXPECT_EQ(incoming->interface_key, 0x4AA0);

@@ -22,6 +22,7 @@
 #include "canorb/bus.hpp"
 #include "canorb/exceptions.hpp"
 #include "canorb/object_ref.hpp"
+#include "canorb/poa.hpp"
 #include "canorb/servant.hpp"
 #include "orb/base/counters.hpp"
 
@@ -59,6 +60,10 @@ struct OrbOptions {
     std::size_t frames_in_controller = 2;
     /// A partial message that gets no frame for so long is dropped.
     Duration inter_frame_timeout = std::chrono::milliseconds{100};
+    /// Threads of the ORB's own that run the event loop, from its making until shutdown(), 0 to
+    /// 256; so many servant calls are served at a time. 0: none, one call at a time is served by
+    /// threads that lend themselves to the ORB. Not in a Simulation.
+    std::size_t worker_threads = 0;
     /// The least gap between two frames of one message, for slow receivers.
     Duration continuation_gap{0};
     /// Gets each event's line. Unset: they go to standard error.
@@ -68,48 +73,9 @@ struct OrbOptions {
 /// Names a timer of one ORB.
 enum class TimerId : std::uint64_t {};
 
-/// The root POA's exceptions, as CORBA's PortableServer names them.
-class ObjectAlreadyActive final : public UserException {
-  public:
-    std::string_view _repository_id() const noexcept override {
-        return "IDL:omg.org/PortableServer/POA/ObjectAlreadyActive:1.0";
-    }
-};
-class ServantAlreadyActive final : public UserException {
-  public:
-    std::string_view _repository_id() const noexcept override {
-        return "IDL:omg.org/PortableServer/POA/ServantAlreadyActive:1.0";
-    }
-};
-class ObjectNotActive final : public UserException {
-  public:
-    std::string_view _repository_id() const noexcept override {
-        return "IDL:omg.org/PortableServer/POA/ObjectNotActive:1.0";
-    }
-};
-
-/// The object adapter: which servant is behind which object index. The servants remain the
-/// application's, and must stay alive until they are deactivated or the Orb is gone. Safe from
-/// any thread.
-class Poa {
-  public:
-    /// Gives the servant the next index from 1024. Throws ServantAlreadyActive, NO_RESOURCES.
-    ObjectRef activate_object(Servant& servant);
-    /// Gives the servant this index, 1..1023. Throws ObjectAlreadyActive, ServantAlreadyActive,
-    /// BAD_PARAM.
-    ObjectRef activate_object_with_id(ObjectIndex index, Servant& servant);
-    /// Takes the object out of service and out of its groups. Throws ObjectNotActive.
-    void deactivate_object(ObjectIndex index);
-
-  private:
-    friend class runtime::OrbImpl;
-    explicit Poa(runtime::OrbImpl& orb) : orb_(orb) {}
-    runtime::OrbImpl& orb_;
-};
-
-/// One node. All functions may be called from any thread, unless they say otherwise; servants,
+/// One node. All functions may be called from any thread, unless they say otherwise. Servants,
 /// timers and callbacks run one at a time, in whichever thread runs the event loop or waits for a
-/// reply.
+/// reply; with worker threads, servants run in as many threads at once as there are workers.
 class Orb {
   public:
     /// Throws BAD_PARAM for options out of range, COMM_FAILURE when the bus refuses.
@@ -151,6 +117,16 @@ class Orb {
     bool run_for(Duration duration);
     /// Does what is due now and returns without waiting.
     void poll();
+    /// A descriptor that is readable when poll() has something to do, for a program with an event
+    /// loop of its own: wait for it, then call poll(). Valid as long as the Orb; do not read from
+    /// it. Throws BAD_INV_ORDER in a Simulation, whose time does not pass by itself.
+    int event_fd();
+    /// Runs the event loop until what was begun is done: no request waits for its servant or is in
+    /// it, no call of this ORB waits for its answer, no message waits for the bus. False when that
+    /// took longer than `limit`. Requests that come meanwhile are served: PoaManager's
+    /// discard_requests() keeps them out. Works after shutdown(), too. Throws BAD_INV_ORDER from
+    /// servants and callbacks.
+    bool drain(Duration limit);
     /// Ends run() and run_for(), now and later. Safe from servants, other threads and, as the only
     /// function, from signal handlers.
     void shutdown() noexcept;
