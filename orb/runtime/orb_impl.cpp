@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <random>
+#include <system_error>
 
 #include "orb/giop/message.hpp"
 #include "orb/poa/servant.hpp"
@@ -101,8 +102,14 @@ OrbImpl::OrbImpl(Bus& bus, OrbOptions options)
     Lock lock{mutex_};
     transmit(now());  // installs the filters
     lock.unlock();
-    for (std::size_t i = 0; i < options_.worker_threads; ++i) {
-        workers_.emplace_back([this] { run_worker(); });
+    try {
+        for (std::size_t i = 0; i < options_.worker_threads; ++i) {
+            workers_.emplace_back([this] { run_worker(); });
+        }
+    } catch (const std::system_error& error) {
+        stop_workers();
+        throw NO_RESOURCES("worker_threads " + std::to_string(options_.worker_threads) + ": " +
+                           error.what());
     }
 }
 

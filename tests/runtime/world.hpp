@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <functional>
 #include <map>
 #include <memory>
@@ -41,7 +42,7 @@ class TestServant final : public Servant {
         found->second(call);
     }
 
-    int calls = 0;
+    std::atomic<int> calls = 0;  ///< worker threads may call at the same time
 
   private:
     std::map<OperationId, Operation> operations_;
