@@ -113,6 +113,7 @@ class Engine {
     void set_node(std::optional<NodeId> node);
 
     poa::ObjectAdapter& adapter() { return adapter_; }
+    const poa::ObjectAdapter& adapter() const { return adapter_; }
     const mca::MulticastAgent& agent() const { return agent_; }
     [[nodiscard]] bool join(GroupId group, const mca::Member& member);
     void leave(GroupId group, ObjectIndex index);

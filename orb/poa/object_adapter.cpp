@@ -162,4 +162,11 @@ Admission ObjectAdapter::admission(ObjectIndex index) const {
     return Admission::inactive;
 }
 
+std::optional<ObjectIndex> ObjectAdapter::next_active(ObjectIndex first) const {
+    for (ObjectIndex index = first; index <= last_object_index; ++index) {
+        if (find(index) != nullptr) return index;
+    }
+    return std::nullopt;
+}
+
 }  // namespace canorb::poa

@@ -113,6 +113,8 @@ class ObjectAdapter {
     std::optional<ObjectIndex> index_of(PoaId poa, const Servant& servant) const;
 
     Admission admission(ObjectIndex index) const;
+    /// The lowest index from `first` where something is active.
+    std::optional<ObjectIndex> next_active(ObjectIndex first) const;
 
   private:
     struct Record {

@@ -227,6 +227,20 @@ TEST_F(ObjectAdapterTest, TheManagementObjectIsInNoPoa) {
     EXPECT_EQ(adapter_.admission(0), Admission::dispatch);
     EXPECT_EQ(adapter_.poa_of(0), std::nullopt);
     EXPECT_EQ(adapter_.find(0), &pump_);
+    EXPECT_EQ(adapter_.next_active(0), 0);
+}
+
+TEST_F(ObjectAdapterTest, ActiveObjectsAreFoundInTheOrderOfTheirIndices) {
+    EXPECT_EQ(adapter_.next_active(0), std::nullopt);
+    ASSERT_TRUE(adapter_.activate(root_poa, other_).ok());
+    ASSERT_TRUE(adapter_.activate_with_id(root_poa, 7, pump_).ok());
+    EXPECT_EQ(adapter_.next_active(0), 7);
+    EXPECT_EQ(adapter_.next_active(7), 7);
+    EXPECT_EQ(adapter_.next_active(8), 1024);
+    EXPECT_EQ(adapter_.next_active(1025), std::nullopt);
+    EXPECT_EQ(adapter_.next_active(65535), std::nullopt);
+    ASSERT_TRUE(adapter_.deactivate(7));
+    EXPECT_EQ(adapter_.next_active(0), 1024);
 }
 
 }  // namespace
