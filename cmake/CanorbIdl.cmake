@@ -181,11 +181,17 @@ function(canorb_target_idl target)
     if(type STREQUAL "EXECUTABLE")
         set(scope PRIVATE)
     endif()
+    # A layer of canorb itself says what it links, and is included as <canorb/...> alone.
+    get_target_property(is_layer ${target} CANORB_LAYER)
+    if(is_layer)
+        set(header_directories "${directory}")
+    else()
+        target_link_libraries(${target} ${scope} canorb::canorb)
+    endif()
     target_include_directories(${target} ${scope} "$<BUILD_INTERFACE:${header_directories}>")
     target_include_directories(${target} INTERFACE
         "$<BUILD_INTERFACE:$<$<BOOL:$<TARGET_PROPERTY:CANORB_IDL_VIEW>>:${idl_directories}>>")
     target_include_directories(${target}.idl-view INTERFACE ${idl_directories})
-    target_link_libraries(${target} ${scope} canorb::canorb)
     # canorb's own build compiles what it generates as strictly as what it writes.
     if(TARGET canorb_warnings)
         target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:canorb_warnings>)

@@ -20,7 +20,11 @@ if(CANORB_BUILD_TOOLS)
 endif()
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/orb/include/canorb/
-    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/canorb FILES_MATCHING PATTERN "*.hpp")
+    DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/canorb
+    FILES_MATCHING PATTERN "*.hpp" PATTERN "*.idl")
+get_target_property(generated canorb_services CANORB_IDL_OUTPUTS)
+list(FILTER generated INCLUDE REGEX "[.]hpp$")
+install(FILES ${generated} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/canorb)
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/orb
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/canorb/impl
     FILES_MATCHING PATTERN "*.hpp" PATTERN include EXCLUDE)

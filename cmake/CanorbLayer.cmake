@@ -46,7 +46,7 @@ function(canorb_add_layer name)
         set(scope INTERFACE)
     endif()
     add_library(canorb::${name} ALIAS ${target})
-    set_target_properties(${target} PROPERTIES EXPORT_NAME ${name})
+    set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} CANORB_LAYER ON)
     target_include_directories(${target} ${scope}
         $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}>
         $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/canorb/impl>)

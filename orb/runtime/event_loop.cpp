@@ -108,7 +108,9 @@ bool OrbImpl::may_run(Role role) const {
 
 TimePoint OrbImpl::wakeup(Role role) const {
     const TimePoint engine = engine_.next_deadline();
-    return may_run(role) && user_code_.may_call_back() ? std::min(engine, timers_.next()) : engine;
+    return may_run(role) && user_code_.may_call_back()
+               ? std::min({engine, timers_.next(), restart_due_})
+               : engine;
 }
 
 bool OrbImpl::exchange(TimePoint now, bool serving) {

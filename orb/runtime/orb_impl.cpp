@@ -11,19 +11,33 @@
 namespace canorb::runtime {
 namespace {
 
+// As in <canorb/node.idl>.
 constexpr std::size_t max_name = 16;
+constexpr std::size_t max_label = 32;
 
 std::string in_words(Duration duration) {
     return std::to_string(duration.count()) + " ns";
+}
+
+/// A text that goes into a string of at most `longest` characters.
+void check_text(std::string_view what, const std::string& text, std::size_t longest) {
+    if (text.size() > longest) {
+        throw BAD_PARAM(std::string{what} + " '" + text + "' is longer than " +
+                        std::to_string(longest) + " characters");
+    }
+    if (text.find('\0') != std::string::npos) {
+        throw BAD_PARAM(std::string{what} + " has a NUL in it");
+    }
 }
 
 OrbOptions checked(OrbOptions options) {
     if (options.node && !NodeId::from(*options.node)) {
         throw BAD_PARAM("node " + std::to_string(*options.node) + " is not 0 to 30");
     }
-    if (options.name.size() > max_name) {
-        throw BAD_PARAM("the node's name '" + options.name + "' is longer than 16 characters");
-    }
+    check_text("the node's name", options.name, max_name);
+    check_text("vendor", options.vendor, max_label);
+    check_text("product", options.product, max_label);
+    check_text("software_version", options.software_version, max_label);
     if (options.name.empty()) {
         options.name = options.node ? "node-" + std::to_string(*options.node) : "node";
     }
@@ -141,6 +155,7 @@ void OrbImpl::close() {
     const auto sent = std::exchange(sent_, {});
     const auto unsent = std::exchange(unsent_, {});
     const auto event_callback = std::exchange(event_callback_, nullptr);
+    const auto restart_callback = std::exchange(restart_callback_, nullptr);
     lock.unlock();
 }
 
@@ -240,6 +255,21 @@ void OrbImpl::on_event(std::function<void(const Event&)> callback) {
     Lock lock{mutex_};
     event_callback_.swap(shared);
     lock.unlock();  // what the old one holds may call this ORB when it goes
+}
+
+void OrbImpl::on_restart(Callback callback) {
+    auto shared = callback ? std::make_shared<const Callback>(std::move(callback)) : nullptr;
+    Lock lock{mutex_};
+    restart_callback_.swap(shared);
+    if (!restart_callback_) restart_due_ = never;
+    lock.unlock();  // as in on_event()
+}
+
+bool OrbImpl::request_restart() {
+    const Lock lock{mutex_};
+    if (!restart_callback_) return false;
+    if (restart_due_ == never) restart_due_ = after(options_.default_timeout);
+    return true;
 }
 
 Counters OrbImpl::counters() const {

@@ -83,6 +83,10 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
 
     Poa& root_poa() { return *poas_.front(); }
 
+    /// Has `servant` serve object index 0, which belongs to no POA. To be called once, before
+    /// anybody runs the event loop.
+    void set_management_object(std::unique_ptr<Servant> servant);
+
     ObjectRef make_reference(core::Reference reference);
     ObjectRef string_to_object(std::string_view text);
     std::string object_to_string(const ObjectRef& reference) const;
@@ -107,6 +111,16 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     void cancel_timer(TimerId timer);
 
     void on_event(std::function<void(const Event&)> callback);
+    void on_restart(Callback callback);
+    /// Has the restart callback called when what is queued by then is sent. False: there is none.
+    [[nodiscard]] bool request_restart();
+
+    /// Calls `look` with what the engine knows, while it cannot change. `look` calls nothing here.
+    template <typename Look>
+    void inspect(Look look) const {
+        const Lock lock{mutex_};
+        look(engine_);
+    }
     Counters counters() const;
     can::ErrorStatus error_status() const;
     can::Capabilities capabilities() const;
@@ -178,6 +192,7 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
 
     bool run_one(Lock& lock);
     bool run_sent(Lock& lock);
+    bool run_restart(Lock& lock);
     bool run_timer(Lock& lock);
     /// What the code raised, in words; empty: nothing.
     std::string run_user_code(Lock& lock, std::function<void()> code);
@@ -214,6 +229,7 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     ReferenceOwner owner_{*this};
     MessageBuffers message_buffers_;
     const can::Signal wake_signal_;
+    std::unique_ptr<Servant> management_object_;  ///< not changed once somebody may call it
     std::atomic<bool> shut_down_ = false;
 
     mutable std::mutex mutex_;
@@ -226,7 +242,9 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     std::vector<SentCallback> unsent_;  ///< never to be called: to be destroyed without the mutex
     std::deque<Event> events_;          ///< to be reported
     std::shared_ptr<const std::function<void(const Event&)>> event_callback_;
-    bool served_last_ = false;  ///< a request, and no timer since
+    std::shared_ptr<const Callback> restart_callback_;
+    TimePoint restart_due_ = never;  ///< at the latest; never: nobody asked
+    bool served_last_ = false;       ///< a request, and no timer since
     bool closed_ = false;
     bool leading_ = false;
     /// The controller's event_fd() was readable, and poll() has not yet said that there is nothing;

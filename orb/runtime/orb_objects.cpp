@@ -35,6 +35,12 @@ ObjectRef OrbImpl::make_reference(core::Reference reference) {
                      std::make_shared<const core::Reference>(std::move(reference))};
 }
 
+void OrbImpl::set_management_object(std::unique_ptr<Servant> servant) {
+    const Lock lock{mutex_};
+    management_object_ = std::move(servant);
+    engine_.adapter().activate_management_object(*management_object_);
+}
+
 ObjectRef OrbImpl::string_to_object(std::string_view text) {
     auto reference = core::parse_reference(text);
     if (!reference) {
@@ -70,6 +76,9 @@ void OrbImpl::join(const ObjectRef& object, GroupId group) {
     const Lock lock{mutex_};
     require_open();
     const ObjectIndex index = local_index(object);
+    if (index == management_object_index) {
+        throw BAD_PARAM("the node's management object is a member of no group");
+    }
     const Servant* servant = engine_.adapter().find(index);
     if (servant == nullptr) {
         throw BAD_PARAM("object " + std::to_string(index) + " is not active: activate it first");

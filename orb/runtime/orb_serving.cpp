@@ -24,7 +24,7 @@ bool OrbImpl::run_one(Lock& lock) {
         report(lock, std::move(event));
         return true;
     }
-    if (run_sent(lock)) return true;
+    if (run_sent(lock) || run_restart(lock)) return true;
     // A simulation runs timers itself, in its order.
     const bool runs_timers = bus_.simulation() == nullptr;
     // They take turns, so that neither a flood of requests nor a slow timer keeps the other out.
@@ -50,6 +50,18 @@ bool OrbImpl::run_sent(Lock& lock) {
     SentCallback callback = std::move(sent_.front());
     sent_.pop_front();
     report_failure("a with_sent callback", run_callback(lock, std::move(callback)));
+    return true;
+}
+
+bool OrbImpl::run_restart(Lock& lock) {
+    // Who asked for it is to get the answer.
+    const bool is_due =
+        restart_due_ != never && (engine_.queued_messages() == 0 || now() >= restart_due_);
+    if (!is_due || !user_code_.may_call_back()) return false;
+    restart_due_ = never;
+    const std::string failure =
+        run_callback(lock, [callback = restart_callback_] { (*callback)(); });
+    report_failure("the restart callback", failure);
     return true;
 }
 

@@ -46,8 +46,18 @@ struct OrbOptions {
     std::optional<int> node{};
     /// 1 to 16 characters, for people; "node-N" when empty.
     std::string name{};
+    /// What the management object tells of the device besides its name, for people; at most 32
+    /// characters each.
+    std::string vendor{};
+    std::string product{};
+    std::string software_version{};
     /// The device's serial number; 0: none.
     std::uint64_t serial = 0;
+    /// How often the device was started, where the application counts it; else 0.
+    std::uint32_t boot_count = 0;
+    /// Object index 0 of this node is its canorb::Node (<canorb/node.idl>): identity, what runs
+    /// here, counters. False: there is no such object.
+    bool management_object = true;
     /// The deadline of calls that have none of their own; there is no infinite one.
     Duration default_timeout = std::chrono::seconds{1};
     /// Received messages above this many octets are skipped and answered IMP_LIMIT; 8..65538.
@@ -143,6 +153,14 @@ class Orb {
 
     /// Replaces the callback for events; called from the event loop.
     void on_event(std::function<void(const Event&)> callback);
+    /// Lets others restart this node through its management object: the callback is called from
+    /// the event loop when the answer to them is on the bus, or could not be sent within
+    /// options().default_timeout. It makes the program begin anew, in whatever way that does:
+    ///
+    ///     orb.on_restart([&] { restart = true; orb.shutdown(); });
+    ///
+    /// Requests until then are one. An empty callback, as at first: they get NO_PERMISSION.
+    void on_restart(std::function<void()> callback);
     Counters counters() const;
     can::ErrorStatus error_status() const;
     can::Capabilities link_capabilities() const;

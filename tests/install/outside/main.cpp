@@ -1,9 +1,11 @@
 // One process, two nodes: a pump and its user, on a bus inside the process.
+#include <canorb/node.hpp>
 #include <canorb/orb.hpp>
 
 #include <cstdint>
 #include <cstdio>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include "pump.hpp"
@@ -12,6 +14,7 @@ namespace {
 
 class PumpImpl final : public Plant::PumpServant {
   public:
+    Plant::Origin origin() override { return {"Acme", canorb::Node::ControllerState::STOPPED}; }
     float start(std::uint16_t speed) override {
         if (speed > 3000) throw Plant::Dry{"inlet"};
         return static_cast<float>(speed) / 2;
@@ -26,6 +29,13 @@ class PumpImpl final : public Plant::PumpServant {
 bool holds(bool condition, const char* what) {
     std::printf("%s: %s\n", what, condition ? "yes" : "NO");
     return condition;
+}
+
+int index_of(const canorb::Node::ActiveObjects& objects, std::string_view type_id) {
+    for (const auto& object : objects) {
+        if (object.type_id == type_id) return object.index;
+    }
+    return -1;
 }
 
 std::string where_dry(const Plant::Pump& pump) {
@@ -54,6 +64,12 @@ int main() {
     good &= holds(where_dry(pump) == "inlet", "the exception arrived with its member");
     pump.label("north");
     good &= holds(pump.label() == "north", "the attribute kept its value");
+
+    good &= holds(pump.origin().maker == "Acme", "its own type has one of the node's in it");
+    const auto node = client.string_to_object("corbaloc:caniop:3/0").narrow<canorb::Node>();
+    good &= holds(node.identity().name == "pump-3", "the node told its name");
+    const auto objects = node.active_objects(1, canorb::Node::OBJECTS_PER_PAGE);
+    good &= holds(index_of(objects, "IDL:Plant/Pump:1.0") == 1, "the node listed its pump");
 
     server.shutdown();
     serving.join();

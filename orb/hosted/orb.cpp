@@ -1,11 +1,16 @@
 #include "canorb/orb.hpp"
 
 #include "orb/runtime/orb_impl.hpp"
+#include "orb/services/node_object.hpp"
 
 namespace canorb {
 
 Orb::Orb(Bus& bus, OrbOptions options)
-    : impl_(std::make_shared<runtime::OrbImpl>(bus, std::move(options))) {}
+    : impl_(std::make_shared<runtime::OrbImpl>(bus, std::move(options))) {
+    if (impl_->options().management_object) {
+        impl_->set_management_object(std::make_unique<services::NodeObject>(*impl_));
+    }
+}
 
 Orb::~Orb() {
     impl_->close();
@@ -92,6 +97,10 @@ void Orb::cancel(TimerId timer) {
 
 void Orb::on_event(std::function<void(const Event&)> callback) {
     impl_->on_event(std::move(callback));
+}
+
+void Orb::on_restart(std::function<void()> callback) {
+    impl_->on_restart(std::move(callback));
 }
 
 Counters Orb::counters() const {
