@@ -10,17 +10,45 @@ constexpr std::string_view id_prefix = "IDL:omg.org/CORBA/";
 constexpr std::string_view id_suffix = ":1.0";
 
 // In the order of SystemErrorKind.
-constexpr std::array<std::string_view, 16> repository_ids = {
-    "IDL:omg.org/CORBA/UNKNOWN:1.0",       "IDL:omg.org/CORBA/BAD_PARAM:1.0",
-    "IDL:omg.org/CORBA/BAD_OPERATION:1.0", "IDL:omg.org/CORBA/BAD_INV_ORDER:1.0",
-    "IDL:omg.org/CORBA/COMM_FAILURE:1.0",  "IDL:omg.org/CORBA/IMP_LIMIT:1.0",
-    "IDL:omg.org/CORBA/INTERNAL:1.0",      "IDL:omg.org/CORBA/INV_OBJREF:1.0",
-    "IDL:omg.org/CORBA/MARSHAL:1.0",       "IDL:omg.org/CORBA/NO_IMPLEMENT:1.0",
-    "IDL:omg.org/CORBA/NO_PERMISSION:1.0", "IDL:omg.org/CORBA/NO_RESOURCES:1.0",
-    "IDL:omg.org/CORBA/OBJ_ADAPTER:1.0",   "IDL:omg.org/CORBA/OBJECT_NOT_EXIST:1.0",
-    "IDL:omg.org/CORBA/TIMEOUT:1.0",       "IDL:omg.org/CORBA/TRANSIENT:1.0",
+constexpr std::array<std::string_view, system_error_kind_count> repository_ids = {
+    "IDL:omg.org/CORBA/UNKNOWN:1.0",
+    "IDL:omg.org/CORBA/BAD_CONTEXT:1.0",
+    "IDL:omg.org/CORBA/BAD_INV_ORDER:1.0",
+    "IDL:omg.org/CORBA/BAD_OPERATION:1.0",
+    "IDL:omg.org/CORBA/BAD_PARAM:1.0",
+    "IDL:omg.org/CORBA/BAD_QOS:1.0",
+    "IDL:omg.org/CORBA/BAD_TYPECODE:1.0",
+    "IDL:omg.org/CORBA/CODESET_INCOMPATIBLE:1.0",
+    "IDL:omg.org/CORBA/COMM_FAILURE:1.0",
+    "IDL:omg.org/CORBA/DATA_CONVERSION:1.0",
+    "IDL:omg.org/CORBA/FREE_MEM:1.0",
+    "IDL:omg.org/CORBA/IMP_LIMIT:1.0",
+    "IDL:omg.org/CORBA/INITIALIZE:1.0",
+    "IDL:omg.org/CORBA/INTERNAL:1.0",
+    "IDL:omg.org/CORBA/INTF_REPOS:1.0",
+    "IDL:omg.org/CORBA/INV_FLAG:1.0",
+    "IDL:omg.org/CORBA/INV_IDENT:1.0",
+    "IDL:omg.org/CORBA/INV_OBJREF:1.0",
+    "IDL:omg.org/CORBA/INV_POLICY:1.0",
+    "IDL:omg.org/CORBA/INVALID_TRANSACTION:1.0",
+    "IDL:omg.org/CORBA/MARSHAL:1.0",
+    "IDL:omg.org/CORBA/NO_IMPLEMENT:1.0",
+    "IDL:omg.org/CORBA/NO_MEMORY:1.0",
+    "IDL:omg.org/CORBA/NO_PERMISSION:1.0",
+    "IDL:omg.org/CORBA/NO_RESOURCES:1.0",
+    "IDL:omg.org/CORBA/NO_RESPONSE:1.0",
+    "IDL:omg.org/CORBA/OBJ_ADAPTER:1.0",
+    "IDL:omg.org/CORBA/OBJECT_NOT_EXIST:1.0",
+    "IDL:omg.org/CORBA/PERSIST_STORE:1.0",
+    "IDL:omg.org/CORBA/REBIND:1.0",
+    "IDL:omg.org/CORBA/TIMEOUT:1.0",
+    "IDL:omg.org/CORBA/TRANSACTION_MODE:1.0",
+    "IDL:omg.org/CORBA/TRANSACTION_REQUIRED:1.0",
+    "IDL:omg.org/CORBA/TRANSACTION_ROLLEDBACK:1.0",
+    "IDL:omg.org/CORBA/TRANSACTION_UNAVAILABLE:1.0",
+    "IDL:omg.org/CORBA/TRANSIENT:1.0",
 };
-static_assert(repository_ids.size() == static_cast<std::size_t>(SystemErrorKind::transient) + 1);
+static_assert(!repository_ids.back().empty());
 
 }  // namespace
 

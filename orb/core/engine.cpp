@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "orb/base/minor_codes.hpp"
 #include "orb/giop/message.hpp"
 #include "orb/giop/system_exception.hpp"
 
@@ -12,12 +13,6 @@ namespace {
 constexpr std::size_t spare_notices = 256;
 constexpr std::size_t standard_identifiers = 2048;
 constexpr Duration duplicate_notice_interval = std::chrono::seconds{1};
-
-constexpr SystemError too_long{SystemErrorKind::imp_limit, Completion::no};
-
-constexpr SystemError comm_failure(Completion completion) {
-    return {SystemErrorKind::comm_failure, completion};
-}
 
 std::span<std::uint8_t, giop::request_header_size> request_header(MutableBytes message) {
     return message.first<giop::request_header_size>();
@@ -92,15 +87,15 @@ RequestId Engine::take_request_id() {
 }
 
 std::optional<SystemError> Engine::obstacle() const {
-    if (!options_.node) return SystemError{SystemErrorKind::bad_inv_order, Completion::no};
-    if (link_down_) return comm_failure(Completion::no);
+    if (!options_.node) return cause::no_node_number;
+    if (link_down_) return cause::link_down;
     return std::nullopt;
 }
 
 Result<caniop::MessageHandle, SystemError> Engine::enqueue(caniop::Identifier to, Bytes message,
                                                            TimePoint deadline) {
     const auto handle = queue_.enqueue(to, message, deadline);
-    if (!handle) return Failure{SystemError{SystemErrorKind::no_resources, Completion::no}};
+    if (!handle) return Failure{cause::transmit_queue_full};
     return *handle;
 }
 
@@ -115,11 +110,9 @@ Result<CallHandle, SystemError> Engine::call(ObjectKey target, OperationId opera
                                              MutableBytes message, TimePoint deadline) {
     const bool own = is_own(target);
     if (const auto error = own ? std::nullopt : obstacle()) return Failure{*error};
-    if (message.size() > giop::max_message) return Failure{too_long};
+    if (message.size() > giop::max_message) return Failure{cause::request_too_long};
     OutstandingCalls::Call* call = calls_.open(deadline);
-    if (call == nullptr) {
-        return Failure{SystemError{SystemErrorKind::no_resources, Completion::no}};
-    }
+    if (call == nullptr) return Failure{cause::too_many_calls};
     if (own) {
         IncomingRequest request;
         request.answer_to = LocalCaller{call->handle};
@@ -127,7 +120,7 @@ Result<CallHandle, SystemError> Engine::call(ObjectKey target, OperationId opera
         request.operation = operation;
         if (!queue_local(std::move(request), message.subspan(giop::request_header_size))) {
             calls_.discard(*call);
-            return Failure{SystemError{SystemErrorKind::transient, Completion::no}};
+            return Failure{cause::own_objects_busy};
         }
         return call->handle;
     }
@@ -147,13 +140,13 @@ Result<CallHandle, SystemError> Engine::call(ObjectKey target, OperationId opera
 
 Engine::Sent Engine::send(ObjectKey target, OperationId operation, MutableBytes message,
                           TimePoint deadline) {
-    if (message.size() > giop::max_message) return Failure{too_long};
+    if (message.size() > giop::max_message) return Failure{cause::request_too_long};
     if (is_own(target)) {
         IncomingRequest request;
         request.object = target.index();
         request.operation = operation;
         if (!queue_local(std::move(request), message.subspan(giop::request_header_size))) {
-            return Failure{SystemError{SystemErrorKind::transient, Completion::no}};
+            return Failure{cause::own_objects_busy};
         }
         return std::optional<caniop::MessageHandle>{};
     }
@@ -169,10 +162,10 @@ Engine::Sent Engine::send(ObjectKey target, OperationId operation, MutableBytes 
 Engine::Sent Engine::multicast(GroupId group, std::uint16_t interface_key, OperationId operation,
                                MutableBytes message, TimePoint deadline) {
     if (const auto error = obstacle()) return Failure{*error};
-    if (message.size() > giop::max_message) return Failure{too_long};
+    if (message.size() > giop::max_message) return Failure{cause::request_too_long};
     // Before anything is sent: a call that fails must not have reached some of the members.
     if (agent_.has_members(group) && incoming_.full()) {
-        return Failure{SystemError{SystemErrorKind::transient, Completion::no}};
+        return Failure{cause::own_objects_busy};
     }
     giop::write_request_header(request_header(message), take_request_id(), interface_key, operation,
                                message.size() - giop::request_header_size);
@@ -206,7 +199,7 @@ bool Engine::ended(CallHandle handle) {
 void Engine::answer(const AnswerTo& to, giop::ReplyStatus status, MutableBytes message,
                     TimePoint now) {
     if (message.size() > giop::max_message) {
-        refuse(to, {SystemErrorKind::imp_limit, Completion::yes}, now);
+        refuse(to, cause::reply_too_long, now);
     } else if (const auto* local = std::get_if<LocalCaller>(&to)) {
         if (OutstandingCalls::Call* call = calls_.find_waiting(local->call)) {
             const Bytes body = message.subspan(giop::reply_header_size);
@@ -266,7 +259,7 @@ void Engine::on_state(const can::StateChanged& change, TimePoint now) {
         reassembler_.drop_all();  // what the bus carries meanwhile is lost here
         queue_.fail_all(now);
         collect_finished();
-        fail_calls(std::nullopt, comm_failure(Completion::maybe));
+        fail_calls(std::nullopt, cause::link_failed_during_call);
     }
     notify(ControllerChanged{change});
 }
@@ -308,7 +301,7 @@ void Engine::on_message(const caniop::Message& message, TimePoint now) {
         counters_.add(Counter::malformed_messages);
         const RequestId id = read_be16(message.octets.data() + giop::request_id_offset);
         if (auto* call = calls_.find_waiting(peer, id)) {
-            calls_.end(*call, SystemError{SystemErrorKind::marshal, Completion::yes});
+            calls_.end(*call, cause::bad_reply);
         }
     } else if (const auto* request = std::get_if<giop::Request>(&*parsed)) {
         if (is_duplicate(from, request->id)) return;
@@ -353,10 +346,10 @@ void Engine::on_request(caniop::Identifier from, const giop::Request& request, T
     incoming.operation = request.operation;
     if (!is_own(key)) {
         counters_.add(Counter::requests_refused);
-        refuse(caller, {SystemErrorKind::object_not_exist, Completion::no}, now);
+        refuse(caller, cause::object_of_another_node, now);
     } else if (!queue_local(std::move(incoming), request.parameters)) {
         counters_.add(Counter::requests_refused);
-        refuse(caller, {SystemErrorKind::transient, Completion::no}, now);
+        refuse(caller, cause::server_busy, now);
     }
 }
 
@@ -370,7 +363,7 @@ void Engine::on_reply(NodeId peer, const giop::Reply& reply) {
         ccdr::Decoder in{reply.body};
         SystemError error;
         giop::decode(in, error);
-        if (!in.finished()) error = {SystemErrorKind::marshal, Completion::yes};
+        if (!in.finished()) error = cause::bad_reply;
         calls_.end(*call, error);
     } else {
         calls_.end(*call, CallAnswer{reply.status, buffers_.copy_of(reply.body)});
@@ -379,7 +372,7 @@ void Engine::on_reply(NodeId peer, const giop::Reply& reply) {
 
 void Engine::on_message_error(NodeId peer) {
     counters_.add(Counter::message_errors_received);
-    fail_calls(peer, comm_failure(Completion::maybe));
+    fail_calls(peer, cause::peer_sent_message_error);
 }
 
 void Engine::on_oversize(const caniop::Oversize& message, TimePoint now) {
@@ -388,12 +381,12 @@ void Engine::on_oversize(const caniop::Oversize& message, TimePoint now) {
     if (const auto request = giop::parse_request_header(message.first_frame)) {
         if (is_duplicate(message.from, request->id)) return;
         counters_.add(Counter::requests_refused);
-        refuse(RemoteCaller{peer, request->id}, too_long, now);
+        refuse(RemoteCaller{peer, request->id}, cause::request_above_limit, now);
     } else {
         // A Reply, whatever its status is. Only a MessageError is shorter, and never too long.
         const RequestId id = read_be16(message.first_frame.data() + giop::request_id_offset);
         if (auto* call = calls_.find_waiting(peer, id)) {
-            calls_.end(*call, SystemError{SystemErrorKind::imp_limit, Completion::yes});
+            calls_.end(*call, cause::reply_above_limit);
         } else {
             counters_.add(Counter::unmatched_replies);
         }
@@ -442,8 +435,7 @@ void Engine::on_time(TimePoint now) {
         if (call.deadline > now) return;
         const bool not_begun = !call.peer && !call.begun;
         counters_.add(Counter::calls_timed_out);
-        calls_.end(call, SystemError{SystemErrorKind::timeout,
-                                     not_begun ? Completion::no : Completion::maybe});
+        calls_.end(call, not_begun ? cause::expired_behind_local_calls : cause::deadline_passed);
     });
 }
 
@@ -470,18 +462,19 @@ void Engine::collect_finished() {
                 counters_.add(Counter::messages_expired);
                 if (call != nullptr) {
                     counters_.add(Counter::calls_timed_out);
-                    calls_.end(*call, SystemError{SystemErrorKind::timeout, Completion::no});
+                    calls_.end(*call, cause::expired_in_queue);
                 }
                 break;
             case caniop::MessageOutcome::stopped:
                 counters_.add(Counter::messages_stopped);
-                if (call != nullptr) calls_.end(*call, comm_failure(Completion::maybe));
+                if (call != nullptr) calls_.end(*call, cause::sending_stopped);
                 break;
             case caniop::MessageOutcome::failed:
                 counters_.add(Counter::messages_failed);
                 if (call != nullptr) {
-                    calls_.end(*call, comm_failure(finished->any_frame_confirmed ? Completion::maybe
-                                                                                 : Completion::no));
+                    calls_.end(*call, finished->any_frame_confirmed
+                                          ? cause::link_failed_during_call
+                                          : cause::link_failed_before_sending);
                 }
                 break;
         }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "orb/base/minor_codes.hpp"
 #include "orb/core/engine.hpp"
 
 namespace canorb::core {
@@ -35,10 +36,11 @@ void Engine::turn_away(IncomingRequest request, poa::Admission why, TimePoint no
     if (request.group) {
         counters_.add(Counter::group_requests_dropped);
     } else {
-        const SystemErrorKind kind = why == poa::Admission::inactive ? SystemErrorKind::obj_adapter
-                                                                     : SystemErrorKind::transient;
+        const SystemError& error = why == poa::Admission::inactive ? cause::manager_inactive
+                                   : why == poa::Admission::hold   ? cause::hold_queue_full
+                                                                   : cause::manager_discards;
         counters_.add(Counter::requests_refused);
-        refuse(request.answer_to, {kind, Completion::no}, now);
+        refuse(request.answer_to, error, now);
     }
     give_up(std::move(request));
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "orb/base/minor_codes.hpp"
+
 namespace canorb::core {
 
 OutstandingCalls::Call* OutstandingCalls::open(TimePoint deadline) {
@@ -63,7 +65,7 @@ void OutstandingCalls::discard(Call& call) {
 
 std::optional<CallResult> OutstandingCalls::take(CallHandle handle) {
     Call* call = find(handle);
-    if (call == nullptr) return CallResult{SystemError{SystemErrorKind::internal}};
+    if (call == nullptr) return CallResult{cause::call_lost};
     if (call->state == Call::State::waiting) return std::nullopt;
     CallResult result = std::move(call->result);
     discard(*call);

@@ -4,6 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "orb/base/minor_codes.hpp"
+
 namespace canorb::core {
 namespace {
 
@@ -33,11 +35,11 @@ std::optional<std::uint8_t> hex_digit(char c) {
 }
 
 Failure<ReferenceError> bad_param(std::string_view why) {
-    return {{SystemErrorKind::bad_param, why}};
+    return {{cause::bad_reference_text, why}};
 }
 
 Failure<ReferenceError> inv_objref(std::string_view why) {
-    return {{SystemErrorKind::inv_objref, why}};
+    return {{cause::bad_reference_octets, why}};
 }
 
 Result<Reference, ReferenceError> parse_ior(std::string_view hex) {

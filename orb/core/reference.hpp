@@ -34,7 +34,7 @@ void decode(ccdr::Decoder& in, Reference& value);
 
 /// Why a text is no reference. `why` is for people and constant.
 struct ReferenceError {
-    SystemErrorKind kind;  ///< bad_param or inv_objref
+    SystemError error;  ///< bad_reference_text or bad_reference_octets
     std::string_view why;
 };
 

@@ -16,6 +16,6 @@ void decode(ccdr::Decoder& in, SystemError& error);
 
 /// The octets that an encoded SystemError takes at most: the longest id, a minor of 5 octets, a
 /// completion of 1.
-inline constexpr std::size_t max_system_exception_octets = 1 + 39 + 5 + 1;
+inline constexpr std::size_t max_system_exception_octets = 1 + 46 + 5 + 1;
 
 }  // namespace canorb::giop

@@ -87,7 +87,8 @@ TimerId Orb::at(TimePoint time, std::function<void()> callback) {
 }
 
 TimerId Orb::every(Duration period, std::function<void()> callback) {
-    if (period <= Duration::zero()) throw BAD_PARAM("a period must be greater than 0");
+    if (period <= Duration::zero())
+        throw_system_exception(cause::bad_argument, "a period must be greater than 0");
     return impl_->add_timer(impl_->after(period), period, std::move(callback));
 }
 

@@ -14,9 +14,9 @@ void ServerCall::end() {
         case ccdr::EncodeError::none:
             return;
         case ccdr::EncodeError::buffer_full:
-            return fail({SystemErrorKind::imp_limit, Completion::yes});
+            return fail(cause::reply_too_long);
         case ccdr::EncodeError::bad_value:
-            return fail({SystemErrorKind::bad_param, Completion::yes});
+            return fail(cause::bad_result);
     }
 }
 
@@ -49,7 +49,7 @@ void dispatch(Servant& servant, ServerCall& call) {
     // only an unknown operation leaves the parameters alone.
     const bool done = call.is_oneway() && (!to_group || call.was_read());
     if (call.outcome() == ServerCall::Outcome::none && !done) {
-        call.fail({SystemErrorKind::bad_operation, Completion::no});
+        call.fail(cause::no_such_operation);
     }
 }
 

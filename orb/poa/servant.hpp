@@ -6,6 +6,7 @@
 #include "orb/base/bytes.hpp"
 #include "orb/base/ids.hpp"
 #include "orb/base/interface_info.hpp"
+#include "orb/base/minor_codes.hpp"
 #include "orb/base/system_error.hpp"
 #include "orb/ccdr/decoder.hpp"
 #include "orb/ccdr/encoder.hpp"
@@ -41,7 +42,7 @@ class ServerCall {
         was_read_ = true;
         (decode(in_, parameters), ...);
         if (in_.finished()) return true;
-        fail({SystemErrorKind::marshal, Completion::no});
+        fail(cause::bad_parameters);
         return false;
     }
 

@@ -17,7 +17,7 @@ class LinkBus final : public Bus {
 
     std::unique_ptr<can::Controller> attach(std::string_view name) override {
         auto controller = link_->attach(name);
-        if (!controller) throw COMM_FAILURE(controller.error());
+        if (!controller) throw_system_exception(cause::bus_refused, controller.error());
         return std::move(*controller);
     }
 
@@ -31,10 +31,10 @@ class LinkBus final : public Bus {
 
 std::unique_ptr<Bus> open_bus(std::string_view address) {
     if (const auto parsed = can::parse_bus_address(address); !parsed) {
-        throw BAD_PARAM(parsed.error());
+        throw_system_exception(cause::bad_argument, parsed.error());
     }
     auto link = can::open_link(address);
-    if (!link) throw COMM_FAILURE(link.error());
+    if (!link) throw_system_exception(cause::bus_refused, link.error());
     return std::make_unique<LinkBus>(std::move(*link));
 }
 
@@ -49,7 +49,9 @@ int parse_node_id(std::string_view text) {
     const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
     const bool is_number = error == std::errc{} && end == text.data() + text.size();
     if (!is_number || !NodeId::from(value)) {
-        throw BAD_PARAM("'" + std::string{text} + "' is no node id: a number from 0 to 30 is");
+        throw_system_exception(
+            cause::bad_argument,
+            "'" + std::string{text} + "' is no node id: a number from 0 to 30 is");
     }
     return value;
 }

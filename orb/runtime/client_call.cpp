@@ -24,12 +24,14 @@ std::uint16_t group_key(const InterfaceInfo& interface) {
 
 ClientCall::ClientCall(const ObjectRef& target, const OperationInfo& operation)
     : target_(target), operation_(operation), out_(MutableBytes{}), in_(Bytes{}) {
-    if (target.is_nil()) throw INV_OBJREF(std::string{operation.name} + " on a nil reference");
-    if (!target.orb_) throw BAD_INV_ORDER("this reference belongs to no Orb");
+    if (target.is_nil()) throw_system_exception(cause::nil_reference, operation.name);
+    if (!target.orb_) throw_system_exception(cause::reference_without_orb, operation.name);
     if (target.is_group() && !operation.groupable) {
-        throw BAD_OPERATION(description(operation, *target.to_) +
-                            ": an operation with a result, an out or inout parameter or a raises "
-                            "clause cannot be sent to a group");
+        throw_system_exception(
+            cause::not_for_groups,
+            description(operation, *target.to_) +
+                ": an operation with a result, an out or inout parameter or a raises "
+                "clause cannot be sent to a group");
     }
     request_ = target.orb_->message_buffers().take();
     out_ = ccdr::Encoder{MutableBytes{request_}.subspan(giop::request_header_size)};
@@ -46,11 +48,13 @@ void ClientCall::check_written() const {
         case ccdr::EncodeError::none:
             return;
         case ccdr::EncodeError::buffer_full:
-            throw IMP_LIMIT(description(operation_, *target_.to_) +
-                            ": the parameters are longer than a message can be");
+            throw_system_exception(cause::request_too_long,
+                                   description(operation_, *target_.to_) +
+                                       ": the parameters are longer than a message can be");
         case ccdr::EncodeError::bad_value:
-            throw BAD_PARAM(description(operation_, *target_.to_) +
-                            ": a parameter is not a value of its IDL type");
+            throw_system_exception(cause::bad_value,
+                                   description(operation_, *target_.to_) +
+                                       ": a parameter is not a value of its IDL type");
     }
 }
 
@@ -79,20 +83,21 @@ bool ClientCall::perform() {
     has_reply_ = true;
     if (answer.status == giop::ReplyStatus::no_exception) return true;
     exception_id_ = in_.string();
-    if (!in_.ok()) throw MARSHAL("a user exception without its id", Completion::yes);
+    if (!in_.ok()) throw_system_exception(cause::bad_reply, "a user exception without its id");
     return false;
 }
 
 void ClientCall::check_read() const {
     if (in_.finished()) return;
-    throw MARSHAL(description(operation_, *target_.to_) +
-                      ": the reply is not the encoding of the declared types",
-                  Completion::yes);
+    throw_system_exception(cause::bad_reply,
+                           description(operation_, *target_.to_) +
+                               ": the reply is not the encoding of the declared types");
 }
 
 void ClientCall::raise_unknown_user_exception() const {
-    throw UNKNOWN(description(operation_, *target_.to_) + " raised " + std::string{exception_id_},
-                  Completion::maybe);
+    throw_system_exception(
+        cause::unexpected_user_exception,
+        description(operation_, *target_.to_) + " raised " + std::string{exception_id_});
 }
 
 }  // namespace canorb

@@ -189,7 +189,7 @@ bool OrbImpl::refuse_nested(TimePoint now) {
     bool any = false;
     while (auto request = engine_.next_request(now)) {
         engine_.count(request->group ? Counter::group_requests_dropped : Counter::requests_refused);
-        engine_.refuse(request->answer_to, {SystemErrorKind::transient, Completion::no}, now);
+        engine_.refuse(request->answer_to, cause::nested_too_deep, now);
         engine_.buffers().release(std::move(request->parameters));
         any = true;
     }
@@ -231,7 +231,8 @@ int OrbImpl::event_fd() {
     const Lock lock{mutex_};
     require_open();
     if (bus_.simulation() != nullptr) {
-        throw BAD_INV_ORDER(
+        throw_system_exception(
+            cause::not_in_a_simulation,
             "the time of a simulation does not pass by itself: there is no event_fd()");
     }
     if (!watch_) {

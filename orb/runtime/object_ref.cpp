@@ -58,7 +58,8 @@ std::string_view ObjectRef::type_id() const {
 }
 
 ObjectRef ObjectRef::with_timeout(Duration timeout) const {
-    if (timeout <= Duration::zero()) throw BAD_PARAM("a timeout must be greater than 0");
+    if (timeout <= Duration::zero())
+        throw_system_exception(cause::bad_argument, "a timeout must be greater than 0");
     ObjectRef copy{*this};
     copy.timeout_ = timeout;
     return copy;

@@ -22,17 +22,19 @@ std::string in_words(Duration duration) {
 /// A text that goes into a string of at most `longest` characters.
 void check_text(std::string_view what, const std::string& text, std::size_t longest) {
     if (text.size() > longest) {
-        throw BAD_PARAM(std::string{what} + " '" + text + "' is longer than " +
-                        std::to_string(longest) + " characters");
+        throw_system_exception(cause::bad_option, std::string{what} + " '" + text +
+                                                      "' is longer than " +
+                                                      std::to_string(longest) + " characters");
     }
     if (text.find('\0') != std::string::npos) {
-        throw BAD_PARAM(std::string{what} + " has a NUL in it");
+        throw_system_exception(cause::bad_option, std::string{what} + " has a NUL in it");
     }
 }
 
 OrbOptions checked(OrbOptions options) {
     if (options.node && !NodeId::from(*options.node)) {
-        throw BAD_PARAM("node " + std::to_string(*options.node) + " is not 0 to 30");
+        throw_system_exception(cause::bad_option,
+                               "node " + std::to_string(*options.node) + " is not 0 to 30");
     }
     check_text("the node's name", options.name, max_name);
     check_text("vendor", options.vendor, max_label);
@@ -42,33 +44,39 @@ OrbOptions checked(OrbOptions options) {
         options.name = options.node ? "node-" + std::to_string(*options.node) : "node";
     }
     if (options.default_timeout <= Duration::zero()) {
-        throw BAD_PARAM("default_timeout " + in_words(options.default_timeout) +
-                        " is not greater than 0");
+        throw_system_exception(
+            cause::bad_option,
+            "default_timeout " + in_words(options.default_timeout) + " is not greater than 0");
     }
     if (options.max_message < giop::request_header_size ||
         options.max_message > giop::max_message) {
-        throw BAD_PARAM("max_message " + std::to_string(options.max_message) +
-                        " is not 8 to 65538 octets");
+        throw_system_exception(
+            cause::bad_option,
+            "max_message " + std::to_string(options.max_message) + " is not 8 to 65538 octets");
     }
     if (options.max_queued_messages == 0 || options.max_outstanding_calls == 0 ||
         options.frames_in_controller == 0) {
-        throw BAD_PARAM(
+        throw_system_exception(
+            cause::bad_option,
             "max_queued_messages, max_outstanding_calls and frames_in_controller must not be 0");
     }
     constexpr std::size_t most_workers = 256;
     if (options.worker_threads > most_workers) {
-        throw BAD_PARAM("worker_threads " + std::to_string(options.worker_threads) +
-                        " is more than 256");
+        throw_system_exception(
+            cause::bad_option,
+            "worker_threads " + std::to_string(options.worker_threads) + " is more than 256");
     }
     if (options.inter_frame_timeout <= Duration::zero()) {
-        throw BAD_PARAM("inter_frame_timeout " + in_words(options.inter_frame_timeout) +
-                        " is not greater than 0");
+        throw_system_exception(cause::bad_option, "inter_frame_timeout " +
+                                                      in_words(options.inter_frame_timeout) +
+                                                      " is not greater than 0");
     }
     if (options.continuation_gap < Duration::zero() ||
         options.continuation_gap >= options.inter_frame_timeout / 2) {
-        throw BAD_PARAM("continuation_gap " + in_words(options.continuation_gap) +
-                        " is not from 0 to less than half of inter_frame_timeout " +
-                        in_words(options.inter_frame_timeout));
+        throw_system_exception(cause::bad_option,
+                               "continuation_gap " + in_words(options.continuation_gap) +
+                                   " is not from 0 to less than half of inter_frame_timeout " +
+                                   in_words(options.inter_frame_timeout));
     }
     if (!options.log) {
         options.log = [](std::string_view line) {
@@ -104,7 +112,7 @@ OrbImpl::OrbImpl(Bus& bus, OrbOptions options)
       engine_(engine_options(options_, bus_.simulation())),
       user_code_(std::max<std::size_t>(options_.worker_threads, 1)) {
     if (bus_.simulation() != nullptr && options_.worker_threads > 0) {
-        throw BAD_PARAM("worker_threads: a simulation has one thread");
+        throw_system_exception(cause::bad_option, "worker_threads: a simulation has one thread");
     }
     make_poa(poa::root_poa, make_manager(poa::root_manager));
     servant_calls_.reserve(options_.worker_threads + UserCode::max_nesting);
@@ -122,8 +130,9 @@ OrbImpl::OrbImpl(Bus& bus, OrbOptions options)
         }
     } catch (const std::system_error& error) {
         stop_workers();
-        throw NO_RESOURCES("worker_threads " + std::to_string(options_.worker_threads) + ": " +
-                           error.what());
+        throw_system_exception(
+            cause::no_threads,
+            "worker_threads " + std::to_string(options_.worker_threads) + ": " + error.what());
     }
 }
 
@@ -162,11 +171,11 @@ void OrbImpl::close() {
 // ---- calls
 
 void OrbImpl::require_open() const {
-    if (closed_) throw BAD_INV_ORDER("the Orb of this reference is gone");
+    if (closed_) throw_system_exception(cause::orb_is_gone);
 }
 
 void OrbImpl::require_node() const {
-    if (!engine_.node()) throw BAD_INV_ORDER("this node has no number yet: set_node() first");
+    if (!engine_.node()) throw_system_exception(cause::no_node_number, "set_node() first");
 }
 
 TimePoint OrbImpl::after(Duration duration) const {
@@ -214,8 +223,8 @@ core::CallResult OrbImpl::call(ObjectKey target, OperationId operation, MutableB
     after_queueing(engine_.message_of(*handle), refused ? SentCallback{} : sent);
     wait(lock, Role::caller, until, [&] { return engine_.ended(*handle); });
     if (auto result = engine_.take_result(*handle)) return std::move(*result);
-    if (closed_) throw BAD_INV_ORDER("the Orb went during the call", Completion::maybe);
-    return SystemError{SystemErrorKind::internal, Completion::maybe};
+    if (closed_) throw_system_exception(cause::orb_went_during_call);
+    return cause::call_lost;
 }
 
 std::optional<SystemError> OrbImpl::send(ObjectKey target, OperationId operation,
@@ -291,7 +300,8 @@ can::Capabilities OrbImpl::capabilities() const {
 void OrbImpl::recover() {
     const Lock lock{mutex_};
     require_open();
-    if (const auto obstacle = controller_->recover()) throw NO_PERMISSION(*obstacle);
+    if (const auto obstacle = controller_->recover())
+        throw_system_exception(cause::recover_not_permitted, *obstacle);
 }
 
 }  // namespace canorb::runtime

@@ -9,7 +9,8 @@ namespace {
 
 GroupId checked(GroupId group) {
     if (!group.is_valid()) {
-        throw BAD_PARAM("group " + std::to_string(group.value()) + " is not 1 to 31");
+        throw_system_exception(cause::bad_argument,
+                               "group " + std::to_string(group.value()) + " is not 1 to 31");
     }
     return group;
 }
@@ -23,7 +24,9 @@ std::optional<NodeId> OrbImpl::node() const {
 
 void OrbImpl::set_node(int node) {
     const auto id = NodeId::from(node);
-    if (!id) throw BAD_PARAM("node " + std::to_string(node) + " is not 0 to 30");
+    if (!id)
+        throw_system_exception(cause::bad_argument,
+                               "node " + std::to_string(node) + " is not 0 to 30");
     const Lock lock{mutex_};
     require_open();
     engine_.set_node(id);
@@ -45,7 +48,7 @@ ObjectRef OrbImpl::string_to_object(std::string_view text) {
     auto reference = core::parse_reference(text);
     if (!reference) {
         const core::ReferenceError& error = reference.error();
-        throw_system_exception({error.kind, Completion::no},
+        throw_system_exception(error.error,
                                "'" + std::string{text} + "': " + std::string{error.why});
     }
     return make_reference(std::move(*reference));
@@ -66,7 +69,8 @@ ObjectRef OrbImpl::group_reference(GroupId group) {
 ObjectIndex OrbImpl::local_index(const ObjectRef& object) const {
     const auto index = object.index();
     if (!index || object.node() != engine_.node()) {
-        throw BAD_PARAM("only an object of this node can be a member of a group here");
+        throw_system_exception(cause::not_active_here,
+                               "only an object of this node can be a member of a group here");
     }
     return *index;
 }
@@ -77,16 +81,19 @@ void OrbImpl::join(const ObjectRef& object, GroupId group) {
     require_open();
     const ObjectIndex index = local_index(object);
     if (index == management_object_index) {
-        throw BAD_PARAM("the node's management object is a member of no group");
+        throw_system_exception(cause::never_a_member,
+                               "the node's management object is a member of no group");
     }
     const Servant* servant = engine_.adapter().find(index);
     if (servant == nullptr) {
-        throw BAD_PARAM("object " + std::to_string(index) + " is not active: activate it first");
+        throw_system_exception(cause::not_active_here, "object " + std::to_string(index) +
+                                                           " is not active: activate it first");
     }
     if (!engine_.join(group, {index, &servant->_interface_info()})) {
-        throw BAD_PARAM(std::string{servant->_interface_info().repository_id} +
-                        " has no interface in common with the members of group " +
-                        std::to_string(group.value()));
+        throw_system_exception(cause::no_common_interface,
+                               std::string{servant->_interface_info().repository_id} +
+                                   " has no interface in common with the members of group " +
+                                   std::to_string(group.value()));
     }
     transmit(now());
 }

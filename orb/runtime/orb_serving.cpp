@@ -127,7 +127,7 @@ void OrbImpl::call_servant(Lock& lock, ObjectIndex object, Servant& servant, Ser
         } catch (const SystemException& exception) {
             call.fail(exception.error());
         } catch (...) {
-            call.fail({SystemErrorKind::unknown, Completion::maybe});
+            call.fail(cause::undeclared_exception);
             throw;  // for the log: the caller learns no more than UNKNOWN
         }
     });
@@ -147,8 +147,7 @@ void OrbImpl::serve_object(Lock& lock, const core::IncomingRequest& request) {
     Servant* servant = engine_.adapter().find(request.object);
     if (servant == nullptr) {
         engine_.count(Counter::requests_refused);
-        engine_.refuse(request.answer_to, {SystemErrorKind::object_not_exist, Completion::no},
-                       now());
+        engine_.refuse(request.answer_to, cause::no_such_object, now());
         return;
     }
     core::Buffer buffer = message_buffers_.take();

@@ -18,16 +18,20 @@ namespace {
         case poa::ActivationError::servant_already_active:
             throw ServantAlreadyActive{};
         case poa::ActivationError::index_out_of_range:
-            throw BAD_PARAM("object index " + std::to_string(id) + " is not 1 to 1023");
+            throw_system_exception(cause::bad_argument,
+                                   "object index " + std::to_string(id) + " is not 1 to 1023");
         case poa::ActivationError::not_from_this_poa:
-            throw BAD_PARAM("object index " + std::to_string(id) +
-                            " was not given out by this POA, whose ids are the system's");
+            throw_system_exception(
+                cause::bad_argument,
+                "object index " + std::to_string(id) +
+                    " was not given out by this POA, whose ids are the system's");
         case poa::ActivationError::wrong_policy:
             throw WrongPolicy{};
         case poa::ActivationError::exhausted:
             break;
     }
-    throw NO_RESOURCES("all object indices from 1024 to 2047 have been given out");
+    throw_system_exception(cause::object_indices_used_up,
+                           "all object indices from 1024 to 2047 have been given out");
 }
 
 }  // namespace
@@ -48,14 +52,15 @@ Poa& OrbImpl::make_poa(poa::PoaId id, PoaManager& manager) {
 
 void OrbImpl::require_no_user_code(std::string_view what) const {
     if (!user_code_.is_here()) return;
-    throw BAD_INV_ORDER(std::string{what} +
-                        " in a servant or callback of the same Orb would wait for itself");
+    throw_system_exception(
+        cause::would_wait_for_itself,
+        std::string{what} + " in a servant or callback of the same Orb would wait for itself");
 }
 
 poa::ObjectAdapter& OrbImpl::adapter_with(poa::PoaId id) {
     require_open();
     if (!engine_.adapter().exists(id)) {
-        throw OBJECT_NOT_EXIST("POA '" + engine_.adapter().name(id) + "' was destroyed");
+        throw_system_exception(cause::poa_destroyed, "POA '" + engine_.adapter().name(id) + "'");
     }
     return engine_.adapter();
 }
@@ -118,7 +123,7 @@ Poa& Poa::create_POA(std::string_view name, PoaManager* manager, const PoaPolici
     const OrbImpl::Lock lock{orb_.mutex_};
     poa::ObjectAdapter& adapter = orb_.adapter_with(id_);
     if (manager != nullptr && &manager->orb_ != &orb_) {
-        throw BAD_PARAM("create_POA: the manager is another Orb's");
+        throw_system_exception(cause::bad_argument, "create_POA: the manager is another Orb's");
     }
     const auto shared = manager == nullptr ? std::nullopt : std::optional{manager->id_};
     const auto created = adapter.create(id_, name, shared, policies);

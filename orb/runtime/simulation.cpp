@@ -89,8 +89,10 @@ SimulatedBus& Simulation::add_bus(const SimulatedBusOptions& options) {
     constexpr auto lowest = can::sim::Bus::lowest_bitrate;
     constexpr auto highest = can::sim::Bus::highest_bitrate;
     if (options.bitrate < lowest || options.bitrate > highest) {
-        throw BAD_PARAM("a bit rate of " + std::to_string(options.bitrate) + " bit/s is not " +
-                        std::to_string(lowest) + " to " + std::to_string(highest));
+        throw_system_exception(cause::bad_option, "a bit rate of " +
+                                                      std::to_string(options.bitrate) +
+                                                      " bit/s is not " + std::to_string(lowest) +
+                                                      " to " + std::to_string(highest));
     }
     return impl_->add_bus(*this, options);
 }
@@ -104,7 +106,8 @@ void Simulation::at(TimePoint time, std::function<void()> callback) {
 }
 
 void Simulation::every(Duration period, TimePoint first, std::function<void()> callback) {
-    if (period <= Duration::zero()) throw BAD_PARAM("a period must be greater than 0");
+    if (period <= Duration::zero())
+        throw_system_exception(cause::bad_argument, "a period must be greater than 0");
     impl_->timers().add(first, period, std::move(callback));
 }
 

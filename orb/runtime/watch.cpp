@@ -10,7 +10,7 @@ namespace canorb::runtime {
 
 Watch::Watch(int controller) : epoll_(::epoll_create1(EPOLL_CLOEXEC)) {
     if (!epoll_.is_open() || !signal_.is_open() || !timer_.is_open()) {
-        throw NO_RESOURCES("no file descriptors are left for event_fd()");
+        throw_system_exception(cause::no_file_descriptors, "event_fd()");
     }
     can::watch(epoll_, controller);
     can::watch(epoll_, signal_.fd());

@@ -64,7 +64,8 @@ Node::ControllerState to_idl(can::ControllerState state) {
 Node::NodeIdentity NodeObject::identity() {
     const OrbOptions& options = orb_.options();
     const auto node = orb_.node();
-    if (!node) throw OBJECT_NOT_EXIST("this node has no number any more");
+    if (!node)
+        throw_system_exception(cause::object_of_another_node, "this node has no number any more");
     return {node->value(),     options.name,   options.vendor,
             options.product,   options.serial, options.software_version,
             options.boot_count};
@@ -105,7 +106,7 @@ Node::LocalGroups NodeObject::local_groups(Node::GroupNumber first, std::uint16_
 Node::MemberIndices NodeObject::group_members(Node::GroupNumber group, Node::ObjectIndex first,
                                               std::uint16_t max) {
     const auto id = GroupId::from(group);
-    if (!id) throw BAD_PARAM("a group is 1 to 31");
+    if (!id) throw_system_exception(cause::bad_argument, "a group is 1 to 31");
     Node::MemberIndices page;
     orb_.inspect([&](const core::Engine& engine) {
         page = lowest_members(engine.agent().members(*id), first, max);
@@ -131,7 +132,7 @@ Node::ControllerStatus NodeObject::controller() {
 }
 
 void NodeObject::restart() {
-    if (!orb_.request_restart()) throw NO_PERMISSION("this node allows no restart from outside");
+    if (!orb_.request_restart()) throw_system_exception(cause::restart_not_allowed);
 }
 
 }  // namespace canorb::services

@@ -98,12 +98,12 @@ TEST(Calls, AMessageAboveTheFormatsLimitIsImpLimitBeforeAnythingIsSent) {
     for (const std::uint16_t key :
          std::initializer_list<std::uint16_t>{0x1801, 0x2801}) {  // another node's, its own
         EXPECT_EQ(describe(node.engine.call(ObjectKey{key}, 2, message, deadline).error()),
-                  "IMP_LIMIT NO");
+                  "IMP_LIMIT NO 30");
         EXPECT_EQ(describe(node.engine.send(ObjectKey{key}, 2, message, deadline).error()),
-                  "IMP_LIMIT NO");
+                  "IMP_LIMIT NO 30");
     }
     EXPECT_EQ(describe(node.engine.multicast(GroupId{7}, 0, 2, message, deadline).error()),
-              "IMP_LIMIT NO");
+              "IMP_LIMIT NO 30");
     EXPECT_THAT(node.transmit(), IsEmpty());
     EXPECT_THAT(node.requests(), IsEmpty());
     // One octet less is the longest that message_size can tell.
@@ -153,8 +153,8 @@ INSTANTIATE_TEST_SUITE_P(
                  one_message},
         ReplyRow{"UserException", {"4A3 110005ABCD010100"}, "USER_EXCEPTION 0100", one_message},
         ReplyRow{"SystemException",
-                 frames_of("4A3", system_exception_reply("ABCD", "NO_RESOURCES", "01")),
-                 "NO_RESOURCES NO", one_message},
+                 frames_of("4A3", system_exception_reply("ABCD", "NO_RESOURCES", "0A", "01")),
+                 "NO_RESOURCES NO 10", one_message},
         // The wire documentation's own, with minor 300 = 812C.
         ReplyRow{"SystemExceptionWithMinor",
                  frames_of("4A3",
@@ -165,16 +165,17 @@ INSTANTIATE_TEST_SUITE_P(
         ReplyRow{"UnknownSystemException",
                  frames_of("4A3", "11 0010 ABCD 02 0A 49444C3A783A312E30 00 00 01"), "UNKNOWN NO",
                  one_message},
-        ReplyRow{"SystemExceptionWithoutABody", {"4A3 110003ABCD02"}, "MARSHAL YES", one_message},
+        ReplyRow{
+            "SystemExceptionWithoutABody", {"4A3 110003ABCD02"}, "MARSHAL YES 21", one_message},
         ReplyRow{"SystemExceptionCompletion3",
-                 frames_of("4A3", system_exception_reply("ABCD", "TIMEOUT", "03")), "MARSHAL YES",
-                 one_message},
+                 frames_of("4A3", system_exception_reply("ABCD", "TIMEOUT", "02", "03")),
+                 "MARSHAL YES 21", one_message},
         ReplyRow{"SystemExceptionWithMoreBehind",
                  frames_of("4A3", "11 0011 ABCD 02 0A 49444C3A783A312E30 00 00 01 00"),
-                 "MARSHAL YES", one_message},
+                 "MARSHAL YES 21", one_message},
         ReplyRow{"UnknownStatus",
                  {"4A3 110003ABCD03"},
-                 "MARSHAL YES",
+                 "MARSHAL YES 21",
                  {{"messages_received", 1}, {"malformed_messages", 1}}},
         ReplyRow{"UnknownStatusOfAnotherCall",
                  {"4A3 110003ABCE03"},
@@ -197,11 +198,11 @@ INSTANTIATE_TEST_SUITE_P(
         // 61 octets, one above the limit.
         ReplyRow{"TooLong",
                  frames_of("4A3", "11003AABCD00" + std::string(110, '0')),
-                 "IMP_LIMIT YES",
+                 "IMP_LIMIT YES 32",
                  {{"oversize_messages", 1}}},
         ReplyRow{"TooLongWithUnknownStatus",
                  frames_of("4A3", "11003AABCD09" + std::string(110, '0')),
-                 "IMP_LIMIT YES",
+                 "IMP_LIMIT YES 32",
                  {{"oversize_messages", 1}}},
         ReplyRow{"TooLongOfAnotherCall",
                  frames_of("4A3", "11003AABCE00" + std::string(110, '0')),
@@ -211,7 +212,7 @@ INSTANTIATE_TEST_SUITE_P(
                  "NO_EXCEPTION " + std::string(108, '0'), one_message},
         ReplyRow{"MessageError",
                  {"4A3 120000"},
-                 "COMM_FAILURE MAYBE",
+                 "COMM_FAILURE MAYBE 8",
                  {{"messages_received", 1}, {"message_errors_received", 1}}},
         ReplyRow{"MessageErrorOfAnotherNode",
                  {"4A4 120000"},
@@ -229,8 +230,8 @@ TEST(Calls, AMessageErrorFailsAllCallsToThatNodeAndNoOthers) {
     const CallHandle own = node.call("2801");
     node.transmit();
     node.receive("4A3 120000");
-    EXPECT_EQ(node.result(first), "COMM_FAILURE MAYBE");
-    EXPECT_EQ(node.result(second), "COMM_FAILURE MAYBE");
+    EXPECT_EQ(node.result(first), "COMM_FAILURE MAYBE 8");
+    EXPECT_EQ(node.result(second), "COMM_FAILURE MAYBE 8");
     EXPECT_EQ(node.result(elsewhere), "waiting");
     EXPECT_EQ(node.result(own), "waiting");
     EXPECT_THAT(node.transmit(), IsEmpty());
@@ -258,7 +259,7 @@ TEST(Calls, ACallThatIsNotKnownIsInternal) {
     node.transmit();
     node.receive("4A3 110003ABCD00");
     EXPECT_EQ(node.result(call), "NO_EXCEPTION ");
-    EXPECT_EQ(node.result(call), "INTERNAL MAYBE");
+    EXPECT_EQ(node.result(call), "INTERNAL MAYBE 42");
     EXPECT_FALSE(node.engine.message_of(call).has_value());
 }
 
@@ -271,9 +272,9 @@ TEST(Limits, AFullTransmitQueueIsNoResourcesAtOnce) {
     EXPECT_TRUE(node.engine.join(GroupId{7}, {1, &bell}));
     const CallHandle first = node.call("1801");
     EXPECT_EQ(node.send("1801"), "queued");
-    EXPECT_EQ(describe(node.try_call("1801").error()), "NO_RESOURCES NO");
-    EXPECT_EQ(node.send("1801"), "NO_RESOURCES NO");
-    EXPECT_EQ(node.multicast(7), "NO_RESOURCES NO");
+    EXPECT_EQ(describe(node.try_call("1801").error()), "NO_RESOURCES NO 10");
+    EXPECT_EQ(node.send("1801"), "NO_RESOURCES NO 10");
+    EXPECT_EQ(node.multicast(7), "NO_RESOURCES NO 10");
     EXPECT_THAT(node.requests(), IsEmpty());  // not even the local members got it
     EXPECT_EQ(node.transmit().size(), 2U);
     const CallHandle next = node.call("1801");
@@ -288,7 +289,7 @@ TEST(Limits, AQueueFullOfOctetsIsNoResourcesToo) {
     options.transmit.max_octets = 20;
     TestEngine node{options};
     EXPECT_EQ(node.send("1801", 2, "01020304"), "queued");
-    EXPECT_EQ(node.send("1801", 2, "01"), "NO_RESOURCES NO");
+    EXPECT_EQ(node.send("1801", 2, "01"), "NO_RESOURCES NO 10");
     EXPECT_EQ(node.send("1801", 2, ""), "queued");
 }
 
@@ -299,12 +300,12 @@ TEST(Limits, TooManyOutstandingCallsAreNoResources) {
     const CallHandle first = node.call("1801");
     const CallHandle second = node.call("1801");
     node.transmit();
-    EXPECT_EQ(describe(node.try_call("1801").error()), "NO_RESOURCES NO");
-    EXPECT_EQ(describe(node.try_call("2801").error()), "NO_RESOURCES NO");
+    EXPECT_EQ(describe(node.try_call("1801").error()), "NO_RESOURCES NO 11");
+    EXPECT_EQ(describe(node.try_call("2801").error()), "NO_RESOURCES NO 11");
     EXPECT_EQ(node.send("1801"), "queued");  // waits for nothing
     node.receive("4A3 110003ABCD00");
     // Ended, but its result is still to be fetched.
-    EXPECT_EQ(describe(node.try_call("1801").error()), "NO_RESOURCES NO");
+    EXPECT_EQ(describe(node.try_call("1801").error()), "NO_RESOURCES NO 11");
     EXPECT_EQ(node.result(first), "NO_EXCEPTION ");
     EXPECT_TRUE(node.try_call("1801").ok());
     EXPECT_EQ(node.result(second), "waiting");
@@ -319,8 +320,8 @@ TEST(Limits, ACallThatWasRefusedLeavesNothingBehind) {
     EXPECT_EQ(node.send("1801"), "queued");
     EXPECT_EQ(node.send("2801"), "own");
     for (int i = 0; i < 5; ++i) {
-        EXPECT_EQ(describe(node.try_call("1801").error()), "NO_RESOURCES NO");
-        EXPECT_EQ(describe(node.try_call("2801").error()), "TRANSIENT NO");
+        EXPECT_EQ(describe(node.try_call("1801").error()), "NO_RESOURCES NO 10");
+        EXPECT_EQ(describe(node.try_call("2801").error()), "TRANSIENT NO 15");
     }
     EXPECT_EQ(node.engine.next_deadline(), node.now + 1s);  // the oneway's
     node.transmit();
@@ -331,9 +332,9 @@ TEST(Limits, WithoutANodeNumberNothingGoesToTheBus) {
     auto options = TestEngine::options();
     options.node.reset();
     TestEngine node{options};
-    EXPECT_EQ(describe(node.try_call("1801").error()), "BAD_INV_ORDER NO");
-    EXPECT_EQ(node.send("1801"), "BAD_INV_ORDER NO");
-    EXPECT_EQ(node.multicast(7), "BAD_INV_ORDER NO");
+    EXPECT_EQ(describe(node.try_call("1801").error()), "BAD_INV_ORDER NO 36");
+    EXPECT_EQ(node.send("1801"), "BAD_INV_ORDER NO 36");
+    EXPECT_EQ(node.multicast(7), "BAD_INV_ORDER NO 36");
     EXPECT_THAT(node.transmit(), IsEmpty());
     // Groups reach it all the same.
     EXPECT_TRUE(node.engine.join(GroupId{7}, {1, &bell}));
@@ -399,7 +400,7 @@ TEST(OwnNode, ACallNotBegunAtItsDeadlineIsNeverExecuted) {
     const CallHandle call = node.call("2801", 2, "", 20ms);
     EXPECT_EQ(node.engine.next_deadline(), node.now + 20ms);
     node.advance(20ms);
-    EXPECT_EQ(node.result(call), "TIMEOUT NO");
+    EXPECT_EQ(node.result(call), "TIMEOUT NO 3");
     EXPECT_THAT(node.requests(), IsEmpty());
     EXPECT_EQ(node.counted(), (Counted{{"calls_timed_out", 1}}));
 }
@@ -409,7 +410,7 @@ TEST(OwnNode, ACallBegunAtItsDeadlineMayHaveHappened) {
     const CallHandle call = node.call("2801", 2, "", 20ms);
     EXPECT_EQ(node.requests().size(), 1U);
     node.advance(20ms);
-    EXPECT_EQ(node.result(call), "TIMEOUT MAYBE");
+    EXPECT_EQ(node.result(call), "TIMEOUT MAYBE 2");
     node.answer("2B");
     node.engine.refuse(node.caller, {}, node.now);
     EXPECT_EQ(node.counted(), (Counted{{"calls_timed_out", 1}, {"unmatched_replies", 2}}));
@@ -421,10 +422,10 @@ TEST(OwnNode, TooManyWaitingIsTransient) {
     TestEngine node{options};
     EXPECT_TRUE(node.engine.join(GroupId{7}, {1, &bell}));
     EXPECT_EQ(node.send("2801", 3, "2A"), "own");
-    EXPECT_EQ(describe(node.try_call("2801").error()), "TRANSIENT NO");
-    EXPECT_EQ(node.send("2801"), "TRANSIENT NO");
+    EXPECT_EQ(describe(node.try_call("2801").error()), "TRANSIENT NO 15");
+    EXPECT_EQ(node.send("2801"), "TRANSIENT NO 15");
     // A multicast that some members could not get does not begin.
-    EXPECT_EQ(node.multicast(7), "TRANSIENT NO");
+    EXPECT_EQ(node.multicast(7), "TRANSIENT NO 15");
     EXPECT_THAT(node.transmit(), IsEmpty());
     EXPECT_THAT(node.requests(), ElementsAre("object 1 operation 3 2A"));
     EXPECT_EQ(node.multicast(7), "queued");

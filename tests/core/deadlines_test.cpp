@@ -21,7 +21,7 @@ TEST(Deadlines, ACallNotBegunIsWithdrawnAndHasNotHappened) {
     node.advance(20ms - 1ns);
     EXPECT_EQ(node.result(call), "waiting");
     node.advance(1ns);
-    EXPECT_EQ(node.result(call), "TIMEOUT NO");
+    EXPECT_EQ(node.result(call), "TIMEOUT NO 1");
     EXPECT_THAT(node.transmit(), IsEmpty());
     EXPECT_THAT(node.notices(), ElementsAre("dropped"));
     EXPECT_EQ(node.counted(), (Counted{{"calls_timed_out", 1}, {"messages_expired", 1}}));
@@ -34,7 +34,7 @@ TEST(Deadlines, NothingIsBegunAtTheDeadlineEvenBeforeOnTime) {
     node.now += 20ms;
     EXPECT_THAT(node.transmit(), IsEmpty());
     node.advance(0ns);
-    EXPECT_EQ(node.result(call), "TIMEOUT NO");
+    EXPECT_EQ(node.result(call), "TIMEOUT NO 1");
 }
 
 TEST(Deadlines, ACallBegunMayHaveHappened) {
@@ -42,7 +42,7 @@ TEST(Deadlines, ACallBegunMayHaveHappened) {
     const CallHandle call = node.call("1801", 2, "", 20ms);
     EXPECT_EQ(node.hand_over().size(), 1U);  // in the controller, not on the bus
     node.advance(20ms);
-    EXPECT_EQ(node.result(call), "TIMEOUT MAYBE");
+    EXPECT_EQ(node.result(call), "TIMEOUT MAYBE 2");
     EXPECT_EQ(node.counted(), (Counted{{"calls_timed_out", 1}}));
     node.finish_frame();
     EXPECT_THAT(node.notices(), ElementsAre("sent"));
@@ -61,7 +61,7 @@ TEST(Deadlines, AMessageOnceBegunIsSentToItsEnd) {
     EXPECT_EQ(node.hand_over().size(), 2U);  // of three
     node.finish_frame();
     node.advance(20ms);
-    EXPECT_EQ(node.result(call), "TIMEOUT MAYBE");
+    EXPECT_EQ(node.result(call), "TIMEOUT MAYBE 2");
     EXPECT_THAT(node.transmit(), ElementsAre("465 82"
                                              "0708090A0B0C0D"));
     EXPECT_EQ(node.counted(),
@@ -74,7 +74,7 @@ TEST(Deadlines, ACallSentAndNotAnsweredMayHaveHappened) {
     node.transmit();
     EXPECT_EQ(node.engine.next_deadline(), node.now + 20ms);
     node.advance(20ms);
-    EXPECT_EQ(node.result(call), "TIMEOUT MAYBE");
+    EXPECT_EQ(node.result(call), "TIMEOUT MAYBE 2");
 }
 
 TEST(Deadlines, OnewayAndGroupMessagesExpire) {
@@ -96,7 +96,7 @@ TEST(Deadlines, EachCallHasItsOwn) {
     const CallHandle earlier = node.call("1801", 2, "", 10ms);
     node.transmit();
     node.advance(10ms);
-    EXPECT_EQ(node.result(earlier), "TIMEOUT MAYBE");
+    EXPECT_EQ(node.result(earlier), "TIMEOUT MAYBE 2");
     EXPECT_EQ(node.result(later), "waiting");
     node.receive("4A3 110003ABCD00");
     EXPECT_EQ(node.result(later), "NO_EXCEPTION ");
@@ -110,7 +110,7 @@ TEST(Deadlines, AMessageLateBetweenTwoFramesIsStopped) {
     node.finish_frame();
     EXPECT_EQ(node.engine.next_deadline(), node.now + 50ms);  // half of the inter-frame timeout
     node.advance(50ms);
-    EXPECT_EQ(node.result(call), "COMM_FAILURE MAYBE");
+    EXPECT_EQ(node.result(call), "COMM_FAILURE MAYBE 7");
     EXPECT_THAT(node.notices(), ElementsAre("dropped"));
     EXPECT_EQ(node.counted(), (Counted{{"frames_sent", 1}, {"messages_stopped", 1}}));
     // Its second frame is taken back, its third never comes; the message behind it goes.

@@ -34,17 +34,17 @@ TEST_P(LinkDown, FailsWhatIsUnderWayAndRefusesWhatIsNew) {
     node.notices();
 
     node.state(GetParam());
-    EXPECT_EQ(node.result(answer_awaited), "COMM_FAILURE MAYBE");
-    EXPECT_EQ(node.result(partly_sent), "COMM_FAILURE MAYBE");
-    EXPECT_EQ(node.result(not_begun), "COMM_FAILURE NO");
+    EXPECT_EQ(node.result(answer_awaited), "COMM_FAILURE MAYBE 6");
+    EXPECT_EQ(node.result(partly_sent), "COMM_FAILURE MAYBE 6");
+    EXPECT_EQ(node.result(not_begun), "COMM_FAILURE NO 5");
     EXPECT_EQ(node.result(own), "waiting");
     EXPECT_EQ(node.counted(), (Counted{{"messages_failed", 3}}));
     EXPECT_THAT(node.notices(),
                 ElementsAre("dropped", "dropped", "dropped", can::name(GetParam())));
 
-    EXPECT_EQ(describe(node.try_call("1801").error()), "COMM_FAILURE NO");
-    EXPECT_EQ(node.send("1801"), "COMM_FAILURE NO");
-    EXPECT_EQ(node.multicast(7), "COMM_FAILURE NO");
+    EXPECT_EQ(describe(node.try_call("1801").error()), "COMM_FAILURE NO 4");
+    EXPECT_EQ(node.send("1801"), "COMM_FAILURE NO 4");
+    EXPECT_EQ(node.multicast(7), "COMM_FAILURE NO 4");
     EXPECT_THAT(node.hand_over(), IsEmpty());
     EXPECT_EQ(node.aborted.size(), 1U);
     EXPECT_EQ(node.engine.queued_messages(), 0U);
@@ -77,7 +77,7 @@ TEST(Link, AFrameInTheControllerThatWasNotConfirmedIsNo) {
     const CallHandle call = node.call("1801");
     EXPECT_EQ(node.hand_over().size(), 1U);
     node.state(ControllerState::bus_off);
-    EXPECT_EQ(node.result(call), "COMM_FAILURE NO");
+    EXPECT_EQ(node.result(call), "COMM_FAILURE NO 5");
 }
 
 TEST(Link, ErrorPassiveIsOnlyTold) {
@@ -94,13 +94,13 @@ TEST(Link, AFrameThatTheControllerFailsFailsItsCall) {
     const CallHandle one_frame = node.call("1801");
     EXPECT_EQ(node.hand_over().size(), 1U);
     node.finish_frame(TransmitOutcome::failed);
-    EXPECT_EQ(node.result(one_frame), "COMM_FAILURE NO");
+    EXPECT_EQ(node.result(one_frame), "COMM_FAILURE NO 5");
 
     const CallHandle three_frames = node.call("1801", 2, "000102030405060708090A0B0C0D");
     EXPECT_EQ(node.hand_over().size(), 2U);
     node.finish_frame();
     node.finish_frame(TransmitOutcome::aborted);
-    EXPECT_EQ(node.result(three_frames), "COMM_FAILURE MAYBE");
+    EXPECT_EQ(node.result(three_frames), "COMM_FAILURE MAYBE 6");
     EXPECT_THAT(node.transmit(), IsEmpty());
     EXPECT_EQ(node.counted(), (Counted{{"frames_sent", 1}, {"messages_failed", 2}}));
     EXPECT_THAT(node.notices(), ElementsAre("dropped", "dropped"));

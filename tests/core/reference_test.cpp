@@ -35,7 +35,8 @@ std::string describe(const Reference& reference) {
 std::string parsed(const std::string& text) {
     const auto reference = parse_reference(text);
     if (reference) return describe(*reference);
-    return std::string{name(reference.error().kind)} + ": " + std::string{reference.error().why};
+    return std::string{name(reference.error().error.kind)} + ": " +
+           std::string{reference.error().why};
 }
 
 // ---- the wire documentation's own

@@ -65,11 +65,11 @@ TEST(Requests, AnExceptionIsItsIdMinorAndCompletion) {
     TestEngine node;
     node.receive("4A3 1000051234280102");
     EXPECT_EQ(node.requests().size(), 1U);
-    node.engine.refuse(node.caller, {SystemErrorKind::timeout, Completion::maybe, 0}, node.now);
+    node.engine.refuse(node.caller, {SystemErrorKind::timeout, Completion::maybe, 2}, node.now);
     // "IDL:omg.org/CORBA/TIMEOUT:1.0"
     EXPECT_THAT(node.transmit(),
                 ElementsAre("465 1100241234021E49", "465 81444C3A6F6D672E", "465 826F72672F434F52",
-                            "465 8342412F54494D45", "465 844F55543A312E30", "465 85000002"));
+                            "465 8342412F54494D45", "465 844F55543A312E30", "465 85000202"));
 }
 
 TEST(Requests, AnotherNodeInTheKeyIsObjectNotExist) {
@@ -77,8 +77,8 @@ TEST(Requests, AnotherNodeInTheKeyIsObjectNotExist) {
     node.receive("4A3 1000051234180102");  // node 3
     EXPECT_THAT(node.requests(), IsEmpty());
     EXPECT_THAT(node.transmit(),
-                ElementsAreArray(
-                    frames_of("465", system_exception_reply("1234", "OBJECT_NOT_EXIST", "01"))));
+                ElementsAreArray(frames_of(
+                    "465", system_exception_reply("1234", "OBJECT_NOT_EXIST", "11", "01"))));
     EXPECT_EQ(node.counted()["requests_refused"], 1U);
 }
 
@@ -89,8 +89,9 @@ TEST(Requests, TooManyWaitingIsTransient) {
     node.receive("4A3 1000050001280102");
     node.receive("4A3 1000050002280102");
     node.receive("4A3 1000050003280102");
-    EXPECT_THAT(node.transmit(), ElementsAreArray(frames_of(
-                                     "465", system_exception_reply("0003", "TRANSIENT", "01"))));
+    EXPECT_THAT(node.transmit(),
+                ElementsAreArray(
+                    frames_of("465", system_exception_reply("0003", "TRANSIENT", "0D", "01"))));
     EXPECT_EQ(node.counted()["requests_refused"], 1U);
     EXPECT_EQ(node.requests().size(), 2U);
     node.receive("4A3 1000050004280102");
@@ -128,8 +129,9 @@ TEST(Requests, ALongOneIsImpLimit) {
     EXPECT_THAT(node.transmit(), IsEmpty());  // not before its end
     node.receive(long_request.back());
     EXPECT_THAT(node.requests(), IsEmpty());
-    EXPECT_THAT(node.transmit(), ElementsAreArray(frames_of(
-                                     "465", system_exception_reply("1234", "IMP_LIMIT", "01"))));
+    EXPECT_THAT(node.transmit(),
+                ElementsAreArray(
+                    frames_of("465", system_exception_reply("1234", "IMP_LIMIT", "1F", "01"))));
     EXPECT_EQ(node.counted(), (Counted{{"frames_received", 3},
                                        {"oversize_messages", 1},
                                        {"requests_refused", 1},
@@ -231,8 +233,9 @@ TEST(Duplicates, ARefusedRequestIsRefusedOnce) {
     TestEngine node{options};
     node.receive("4A3 1000051234180102");
     node.receive("4A3 1000051234180102");
-    EXPECT_EQ(node.transmit().size(),
-              frames_of("465", system_exception_reply("1234", "OBJECT_NOT_EXIST", "01")).size());
+    EXPECT_EQ(
+        node.transmit().size(),
+        frames_of("465", system_exception_reply("1234", "OBJECT_NOT_EXIST", "11", "01")).size());
     const Texts long_request = frames_of("4A3",
                                          "10000E1235280102"
                                          "000102030405060708");
@@ -393,12 +396,13 @@ TEST(Answers, TooLongForTheFormatIsImpLimit) {
     EXPECT_EQ(node.requests().size(), 1U);
     std::vector<std::uint8_t> message(65539);
     node.engine.answer(node.caller, giop::ReplyStatus::no_exception, message, node.now);
-    EXPECT_THAT(node.transmit(), ElementsAreArray(frames_of(
-                                     "465", system_exception_reply("1234", "IMP_LIMIT", "00"))));
+    EXPECT_THAT(node.transmit(),
+                ElementsAreArray(
+                    frames_of("465", system_exception_reply("1234", "IMP_LIMIT", "21", "00"))));
     const CallHandle own = node.call("2801");
     EXPECT_EQ(node.requests().size(), 1U);
     node.engine.answer(node.caller, giop::ReplyStatus::no_exception, message, node.now);
-    EXPECT_EQ(node.result(own), "IMP_LIMIT YES");
+    EXPECT_EQ(node.result(own), "IMP_LIMIT YES 33");
 }
 
 TEST(Answers, GoToTheCallerEvenWhenOthersAskedMeanwhile) {

@@ -36,7 +36,7 @@ inline std::string describe(const SystemError& error) {
     return text;
 }
 
-/// "NO_EXCEPTION 2A", "USER_EXCEPTION 0100", "TIMEOUT MAYBE".
+/// "NO_EXCEPTION 2A", "USER_EXCEPTION 0100", "TIMEOUT MAYBE 2": with the minor.
 inline std::string describe(const CallResult& result) {
     if (const auto* error = std::get_if<SystemError>(&result)) return describe(*error);
     const auto& answer = std::get<CallAnswer>(result);
@@ -58,15 +58,15 @@ inline std::string describe(const IncomingRequest& request) {
 }
 
 /// The octets of a Reply with a system exception, written down here once more:
-/// "IDL:omg.org/CORBA/<exception>:1.0", minor 0, completion.
+/// "IDL:omg.org/CORBA/<exception>:1.0", minor and completion, one octet each in hex.
 inline std::string system_exception_reply(std::string_view request_id, std::string_view exception,
-                                          std::string_view completion) {
+                                          std::string_view minor, std::string_view completion) {
     const std::string id = "IDL:omg.org/CORBA/" + std::string{exception} + ":1.0";
     const Bytes id_octets{reinterpret_cast<const std::uint8_t*>(id.data()), id.size()};
     const std::uint8_t length[] = {static_cast<std::uint8_t>(id.size() + 1)};
     const std::uint8_t size[] = {0, static_cast<std::uint8_t>(3 + 1 + id.size() + 1 + 1 + 1)};
-    return "11" + hex(size) + std::string{request_id} + "02" + hex(length) + hex(id_octets) +
-           "0000" + std::string{completion};
+    return "11" + hex(size) + std::string{request_id} + "02" + hex(length) + hex(id_octets) + "00" +
+           std::string{minor} + std::string{completion};
 }
 
 /// Cuts a message into frames, "4A3 1100..." each: by hand, to be independent of the segmenter.

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "orb/base/minor_codes.hpp"
 #include "orb/core/reference.hpp"
 
 namespace {
@@ -43,8 +44,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         require(again.ok() && again->same_target(*parsed) && again->type_id == parsed->type_id);
         require(core::to_string(*again) == written);
     } else {
-        require(parsed.error().kind == SystemErrorKind::bad_param ||
-                parsed.error().kind == SystemErrorKind::inv_objref);
+        require(parsed.error().error == cause::bad_reference_text ||
+                parsed.error().error == cause::bad_reference_octets);
         require(!parsed.error().why.empty());
     }
 

@@ -50,7 +50,7 @@ class Motor final : public Servant {
     std::function<void(ServerCall&)> skeleton_;
 };
 
-/// What a call came to, as text: "NO_EXCEPTION 2A", "BAD_OPERATION NO", "nothing".
+/// What a call came to, as text: "NO_EXCEPTION 2A", "BAD_OPERATION NO 18", "nothing".
 std::string describe(const ServerCall& call) {
     switch (call.outcome()) {
         case Outcome::none:
@@ -63,8 +63,9 @@ std::string describe(const ServerCall& call) {
             break;
     }
     EXPECT_TRUE(call.body().empty());
-    return std::string{name(call.system_error().kind)} + " " +
-           std::string{name(call.system_error().completion)};
+    const SystemError& error = call.system_error();
+    return std::string{name(error.kind)} + " " + std::string{name(error.completion)} + " " +
+           std::to_string(error.minor);
 }
 
 struct Call {
@@ -104,16 +105,16 @@ TEST(ServerCall, ReadsAllParametersAndReplies) {
 }
 
 TEST(ServerCall, ParametersThatDoNotDecodeAreMarshal) {
-    EXPECT_EQ(dispatched(sum, {.parameters = ""}), "MARSHAL NO");
-    EXPECT_EQ(dispatched(sum, {.parameters = "01"}), "MARSHAL NO");
-    EXPECT_EQ(dispatched(sum, {.parameters = "01 8001"}), "MARSHAL NO");    // not the shortest
-    EXPECT_EQ(dispatched(sum, {.parameters = "01 C10000"}), "MARSHAL NO");  // above 65535
-    EXPECT_EQ(dispatched(sum, {.parameters = "01 02 00"}), "MARSHAL NO");   // left over
+    EXPECT_EQ(dispatched(sum, {.parameters = ""}), "MARSHAL NO 20");
+    EXPECT_EQ(dispatched(sum, {.parameters = "01"}), "MARSHAL NO 20");
+    EXPECT_EQ(dispatched(sum, {.parameters = "01 8001"}), "MARSHAL NO 20");    // not the shortest
+    EXPECT_EQ(dispatched(sum, {.parameters = "01 C10000"}), "MARSHAL NO 20");  // above 65535
+    EXPECT_EQ(dispatched(sum, {.parameters = "01 02 00"}), "MARSHAL NO 20");   // left over
     const auto nothing = [](ServerCall& call) {
         if (call.read()) call.reply();
     };
     EXPECT_EQ(dispatched(nothing, {.parameters = ""}), "NO_EXCEPTION ");
-    EXPECT_EQ(dispatched(nothing, {.parameters = "00"}), "MARSHAL NO");
+    EXPECT_EQ(dispatched(nothing, {.parameters = "00"}), "MARSHAL NO 20");
 }
 
 TEST(ServerCall, RepliesWithTheReturnValueThenTheOutParameters) {
@@ -130,15 +131,15 @@ TEST(ServerCall, AReplyTooLongForTheBufferIsImpLimit) {
         if (call.read()) call.reply(std::string_view{"ABC"});
     };
     EXPECT_EQ(dispatched(skeleton, {.room = 5}), "NO_EXCEPTION 0441424300");
-    EXPECT_EQ(dispatched(skeleton, {.room = 4}), "IMP_LIMIT YES");
-    EXPECT_EQ(dispatched(skeleton, {.room = 0}), "IMP_LIMIT YES");
+    EXPECT_EQ(dispatched(skeleton, {.room = 4}), "IMP_LIMIT YES 33");
+    EXPECT_EQ(dispatched(skeleton, {.room = 0}), "IMP_LIMIT YES 33");
 }
 
 TEST(ServerCall, AResultThatIsNoValueOfItsTypeIsBadParam) {
     const auto skeleton = [](ServerCall& call) {
         if (call.read()) call.reply(std::string_view{"A\0B", 3});
     };
-    EXPECT_EQ(dispatched(skeleton, {}), "BAD_PARAM YES");
+    EXPECT_EQ(dispatched(skeleton, {}), "BAD_PARAM YES 23");
 }
 
 TEST(ServerCall, RaisesAUserExceptionWithItsIdAndMembers) {
@@ -147,7 +148,7 @@ TEST(ServerCall, RaisesAUserExceptionWithItsIdAndMembers) {
     };
     // "IDL:T/S:1.0", 234, "x"
     EXPECT_EQ(dispatched(skeleton, {}), "USER_EXCEPTION 0C49444C3A542F533A312E300080EA027800");
-    EXPECT_EQ(dispatched(skeleton, {.room = 17}), "IMP_LIMIT YES");
+    EXPECT_EQ(dispatched(skeleton, {.room = 17}), "IMP_LIMIT YES 33");
 }
 
 TEST(ServerCall, TheLastAnswerCounts) {
@@ -157,7 +158,7 @@ TEST(ServerCall, TheLastAnswerCounts) {
         call.reply(std::string_view{"ABC"});
         call.fail({SystemErrorKind::unknown, Completion::maybe});
     };
-    EXPECT_EQ(dispatched(skeleton, {}), "UNKNOWN MAYBE");
+    EXPECT_EQ(dispatched(skeleton, {}), "UNKNOWN MAYBE 0");
     const auto other_way = [](ServerCall& call) {
         call.fail({SystemErrorKind::unknown, Completion::maybe});
         call.reply(std::uint8_t{7});
@@ -182,17 +183,17 @@ TEST(Dispatch, AnswersIsAItself) {
         dispatched(motor, {0xFF, "1D 49444C3A6F6D672E6F72672F434F5242412F4F626A6563743A312E30 00"}),
         "NO_EXCEPTION 01");
     EXPECT_EQ(dispatched(motor, {0xFF, "0100"}), "NO_EXCEPTION 00");
-    EXPECT_EQ(dispatched(motor, {0xFF, ""}), "MARSHAL NO");
-    EXPECT_EQ(dispatched(motor, {0xFF, "0100 00"}), "MARSHAL NO");
+    EXPECT_EQ(dispatched(motor, {0xFF, ""}), "MARSHAL NO 20");
+    EXPECT_EQ(dispatched(motor, {0xFF, "0100 00"}), "MARSHAL NO 20");
     EXPECT_EQ(motor.dispatched, 0);
 }
 
 TEST(Dispatch, AnswersNonExistentAndInterfaceItself) {
     Motor motor{[](ServerCall&) {}};
     EXPECT_EQ(dispatched(motor, {0xFE, ""}), "NO_EXCEPTION 00");
-    EXPECT_EQ(dispatched(motor, {0xFE, "00"}), "MARSHAL NO");
+    EXPECT_EQ(dispatched(motor, {0xFE, "00"}), "MARSHAL NO 20");
     EXPECT_EQ(dispatched(motor, {0xFD, ""}), "NO_EXCEPTION 0C49444C3A542F4D3A312E3000");
-    EXPECT_EQ(dispatched(motor, {0xFD, "00"}), "MARSHAL NO");
+    EXPECT_EQ(dispatched(motor, {0xFD, "00"}), "MARSHAL NO 20");
     EXPECT_EQ(motor.dispatched, 0);
 }
 
@@ -200,7 +201,7 @@ TEST(Dispatch, TheOrbsOtherOperationsAreBadOperationWhateverTheServantWouldDo) {
     Motor motor{[](ServerCall& call) { call.reply(); }};
     for (const OperationId operation :
          std::initializer_list<OperationId>{0xF8, 0xF9, 0xFA, 0xFB, 0xFC}) {
-        EXPECT_EQ(dispatched(motor, {operation, ""}), "BAD_OPERATION NO") << int{operation};
+        EXPECT_EQ(dispatched(motor, {operation, ""}), "BAD_OPERATION NO 18") << int{operation};
     }
     EXPECT_EQ(motor.dispatched, 0);
     EXPECT_EQ(dispatched(motor, {0xF7, ""}), "NO_EXCEPTION ");
@@ -210,11 +211,11 @@ TEST(Dispatch, TheOrbsOtherOperationsAreBadOperationWhateverTheServantWouldDo) {
 
 TEST(Dispatch, WhatTheServantDoesNotAnswerIsBadOperation) {
     const auto unhandled = [](ServerCall&) {};
-    EXPECT_EQ(dispatched(unhandled, {.parameters = ""}), "BAD_OPERATION NO");
-    EXPECT_EQ(dispatched(unhandled, {.parameters = "01"}), "BAD_OPERATION NO");
+    EXPECT_EQ(dispatched(unhandled, {.parameters = ""}), "BAD_OPERATION NO 18");
+    EXPECT_EQ(dispatched(unhandled, {.parameters = "01"}), "BAD_OPERATION NO 18");
     // One that reads and then forgets to answer, too: the caller must not wait.
     const auto forgetful = [](ServerCall& call) { EXPECT_TRUE(call.read()); };
-    EXPECT_EQ(dispatched(forgetful, {}), "BAD_OPERATION NO");
+    EXPECT_EQ(dispatched(forgetful, {}), "BAD_OPERATION NO 18");
 }
 
 TEST(Dispatch, AOnewayOperationNeedsNoAnswer) {
@@ -226,14 +227,14 @@ TEST(Dispatch, AOnewayOperationNeedsNoAnswer) {
     EXPECT_EQ(dispatched(oneway, {.parameters = "01"}), "nothing");
     EXPECT_EQ(dispatched(oneway, {.parameters = "01", .to_group = true}), "nothing");
     // Its faults are known all the same, to be counted.
-    EXPECT_EQ(dispatched(oneway, {.parameters = ""}), "MARSHAL NO");
+    EXPECT_EQ(dispatched(oneway, {.parameters = ""}), "MARSHAL NO 20");
     const auto parameterless = [](ServerCall& call) { call.oneway(); };
     EXPECT_EQ(dispatched(parameterless, {}), "nothing");
 }
 
 TEST(Dispatch, AGroupsUnknownOperationIsBadOperationToo) {
-    EXPECT_EQ(dispatched([](ServerCall&) {}, {.to_group = true}), "BAD_OPERATION NO");
-    EXPECT_EQ(dispatched(sum, {.operation = 0xF8, .to_group = true}), "BAD_OPERATION NO");
+    EXPECT_EQ(dispatched([](ServerCall&) {}, {.to_group = true}), "BAD_OPERATION NO 18");
+    EXPECT_EQ(dispatched(sum, {.operation = 0xF8, .to_group = true}), "BAD_OPERATION NO 18");
     EXPECT_EQ(dispatched(sum, {.parameters = "01 02", .to_group = true}), "NO_EXCEPTION 03");
 }
 

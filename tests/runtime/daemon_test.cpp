@@ -81,11 +81,11 @@ TEST_F(OverDaemon, ThatGoesFailsCallsAndComesBack) {
     const ObjectRef target =
         object(client).with_sent([&] { killer = std::thread{[&] { daemon.reset(); }}; });
     EXPECT_EQ(error_of([&] { target.invoke(0, {}); }),
-              (SystemError{SystemErrorKind::comm_failure, Completion::maybe}));
+              (SystemError{SystemErrorKind::comm_failure, Completion::maybe, 6}));
     killer.join();
     // Whoever calls while the link is down learns it at once.
     EXPECT_EQ(error_of([&] { object(client).invoke(0, {}); }),
-              (SystemError{SystemErrorKind::comm_failure, Completion::no}));
+              (SystemError{SystemErrorKind::comm_failure, Completion::no, 4}));
     EXPECT_THROW(call_through(object(client), ring_oneway), COMM_FAILURE);
     client.poll();
     ASSERT_EQ(events.size(), 1U);

@@ -71,7 +71,7 @@ TEST_F(Nested, BeyondDepthEightIsTransient) {
     a.root_poa().activate_object_with_id(1, on_a);
     b.root_poa().activate_object_with_id(1, on_b);
     EXPECT_EQ(error_of([&] { at(a, 2, 1).invoke(0, {}); }),
-              (SystemError{SystemErrorKind::transient, Completion::no}));
+              (SystemError{SystemErrorKind::transient, Completion::no, 14}));
     EXPECT_EQ(on_b.calls, 8);
     EXPECT_EQ(deepest, 8);
     EXPECT_EQ(depth_of_a, 0);

@@ -71,7 +71,7 @@ TEST_F(BehindAdapters, PullingOneOutFailsTheCallAndItComesBack) {
     const ObjectRef target =
         object_of(1, client).with_sent([&] { hand = std::thread{[&] { adapter_b.reset(); }}; });
     EXPECT_EQ(error_of([&] { target.invoke(0, {}); }),
-              (SystemError{SystemErrorKind::comm_failure, Completion::maybe}));
+              (SystemError{SystemErrorKind::comm_failure, Completion::maybe, 6}));
     hand.join();
     client.poll();
     ASSERT_EQ(events.size(), 1U);

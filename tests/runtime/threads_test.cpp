@@ -208,7 +208,7 @@ TEST_F(Threads, OwnObjectThatIsBusyIsTimeoutNo) {
     std::thread first{[&] { object(server, 1).invoke(1, {}); }};
     busy.get_future().wait();
     EXPECT_EQ(error_of([&] { object(server, 1).with_timeout(5ms).invoke(0, {}); }),
-              (SystemError{SystemErrorKind::timeout, Completion::no}));
+              (SystemError{SystemErrorKind::timeout, Completion::no, 3}));
     go.set_value();
     first.join();
     end();
@@ -225,7 +225,7 @@ TEST_F(Threads, ServantTooSlowIsTimeoutMaybeAtTheClient) {
     thread = std::thread{[this] { server.run(); }};
     Orb client{*bus, quiet(2)};
     EXPECT_EQ(error_of([&] { object(client, 1).with_timeout(20ms).invoke(0, {}); }),
-              (SystemError{SystemErrorKind::timeout, Completion::maybe}));
+              (SystemError{SystemErrorKind::timeout, Completion::maybe, 2}));
     go.set_value();
     while (client.counters()[Counter::unmatched_replies] == 0) client.run_for(1ms);
 }
@@ -258,7 +258,7 @@ TEST_F(Threads, DestructorEndsLoopsAndCallsOfOtherThreads) {
     std::thread caller{[&] {
         const ObjectRef target = nobody.with_sent([&] { calling.set_value(); });
         EXPECT_EQ(error_of([&] { target.invoke(0, {}); }),
-                  (SystemError{SystemErrorKind::bad_inv_order, Completion::maybe}));
+                  (SystemError{SystemErrorKind::bad_inv_order, Completion::maybe, 39}));
     }};
     calling.get_future().wait();
     orb.reset();

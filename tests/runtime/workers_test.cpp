@@ -277,7 +277,8 @@ TEST_F(Workers, TheDescriptorIsQuietWhenThereIsNothingToDo) {
 
 TEST_F(Workers, AreAtMost256) {
     EXPECT_EQ(what<BAD_PARAM>([&] { Orb{*bus, options(1, 257)}; }),
-              "BAD_PARAM (completed NO): worker_threads 257 is more than 256");
+              "BAD_PARAM (completed NO, minor 24): an option is out of range: worker_threads 257 "
+              "is more than 256");
 }
 
 }  // namespace

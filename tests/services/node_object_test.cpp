@@ -302,7 +302,7 @@ TEST_F(NodeObject, PagesOfMembersHaveEdges) {
             error_of([&] {
                 static_cast<void>(node.group_members(static_cast<Node::GroupNumber>(none), 0, 8));
             }),
-            (SystemError{SystemErrorKind::bad_param, Completion::no}))
+            (SystemError{SystemErrorKind::bad_param, Completion::no, 25}))
             << none;
     }
 }
@@ -409,7 +409,7 @@ TEST_F(NodeObject, CanBeLeftOff) {
     TestServant lamp{{{0, nothing}}};
     without.root_poa().activate_object_with_id(1, lamp);
     EXPECT_EQ(error_of([&] { at(client, 4, 0).invoke(identity_operation, {}); }),
-              (SystemError{SystemErrorKind::object_not_exist, Completion::no}));
+              (SystemError{SystemErrorKind::object_not_exist, Completion::no, 16}));
     EXPECT_TRUE(at(client, 4, 0)._non_existent());
     EXPECT_EQ(without.counters()[Counter::requests_refused], 2U);
     at(client, 4, 1).invoke(0, {});
@@ -430,9 +430,9 @@ TEST_F(NodeObject, RefusesWhatItDoesNotKnow) {
     const ObjectRef object = at(client, 3, 0);
     EXPECT_EQ(error_of([&] { object.invoke(8, {}); }).kind, SystemErrorKind::bad_operation);
     EXPECT_EQ(error_of([&] { object.invoke(active_objects_operation, octets("00")); }),
-              (SystemError{SystemErrorKind::marshal, Completion::no}));
+              (SystemError{SystemErrorKind::marshal, Completion::no, 20}));
     EXPECT_EQ(error_of([&] { object.invoke(identity_operation, octets("00")); }),
-              (SystemError{SystemErrorKind::marshal, Completion::no}));
+              (SystemError{SystemErrorKind::marshal, Completion::no, 20}));
 }
 
 TEST_F(NodeObject, RefusesIdentitiesThatItCouldNotTell) {

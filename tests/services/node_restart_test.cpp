@@ -25,7 +25,7 @@ class NodeRestart : public World {
 
 TEST_F(NodeRestart, IsNotPermittedByItself) {
     EXPECT_EQ(error_of([&] { node_object(client, 3).restart(); }),
-              (SystemError{SystemErrorKind::no_permission, Completion::no}));
+              (SystemError{SystemErrorKind::no_permission, Completion::no, 51}));
 
     int restarts = 0;
     server.on_restart([&] { ++restarts; });

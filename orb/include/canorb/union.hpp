@@ -17,7 +17,8 @@ namespace canorb {
 /// Throws BAD_PARAM: `member`, "Shape::radius", is not what the union's discriminator selects.
 /// Never inline, so that what generated classes check costs little.
 [[noreturn, gnu::noinline]] inline void throw_not_selected(std::string_view member) {
-    throw BAD_PARAM{std::string{member} + ": the discriminator does not select it"};
+    throw_system_exception(cause::bad_union_member,
+                           std::string{member} + ": the discriminator does not select it");
 }
 
 inline void check_selected(bool is_selected, std::string_view member) {
