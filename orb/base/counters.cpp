@@ -43,6 +43,7 @@ constexpr std::array<std::string_view, counter_count> names = {
     "group_requests_dropped",
     "answers_dropped",
     "notices_lost",
+    "traces_lost",
 };
 static_assert(!names.back().empty());
 

@@ -58,6 +58,7 @@ enum class Counter : std::uint8_t {
     group_requests_dropped,      ///< group calls with too many others waiting for servants
     answers_dropped,  ///< Replies and MessageErrors that the transmit queue had no room for
     notices_lost,     ///< events beyond what the application fetched
+    traces_lost,      ///< traced messages beyond what the application fetched
 
     count_  ///< not a counter: their number
 };

@@ -27,6 +27,7 @@ Engine::Engine(const EngineOptions& options)
       calls_(options.max_outstanding_calls),
       incoming_(options.max_incoming_requests),
       notices_(options.transmit.max_messages + spare_notices),
+      tracer_(counters_, options.transmit.max_messages),
       next_request_id_(options.first_request_id),
       last_request_ids_(standard_identifiers) {
     held_.reserve(options.max_held_requests);
@@ -96,6 +97,7 @@ Result<caniop::MessageHandle, SystemError> Engine::enqueue(caniop::Identifier to
                                                            TimePoint deadline) {
     const auto handle = queue_.enqueue(to, message, deadline);
     if (!handle) return Failure{cause::transmit_queue_full};
+    if (tracer_.on()) tracer_.queued(*handle, to, message);
     return *handle;
 }
 
@@ -122,6 +124,7 @@ Result<CallHandle, SystemError> Engine::call(ObjectKey target, OperationId opera
             calls_.discard(*call);
             return Failure{cause::own_objects_busy};
         }
+        if (tracer_.on()) trace_local_request(target, operation, message, false);
         return call->handle;
     }
     call->request_id = take_request_id();
@@ -148,6 +151,7 @@ Engine::Sent Engine::send(ObjectKey target, OperationId operation, MutableBytes 
         if (!queue_local(std::move(request), message.subspan(giop::request_header_size))) {
             return Failure{cause::own_objects_busy};
         }
+        if (tracer_.on()) trace_local_request(target, operation, message, true);
         return std::optional<caniop::MessageHandle>{};
     }
     if (const auto error = obstacle()) return Failure{*error};
@@ -156,6 +160,7 @@ Engine::Sent Engine::send(ObjectKey target, OperationId operation, MutableBytes 
     const auto queued =
         enqueue(caniop::Identifier::to_node(target.node(), *options_.node), message, deadline);
     if (!queued) return Failure{queued.error()};
+    if (tracer_.on()) tracer_.is_oneway();
     return std::optional{*queued};
 }
 
@@ -201,6 +206,10 @@ void Engine::answer(const AnswerTo& to, giop::ReplyStatus status, MutableBytes m
     if (message.size() > giop::max_message) {
         refuse(to, cause::reply_too_long, now);
     } else if (const auto* local = std::get_if<LocalCaller>(&to)) {
+        if (tracer_.on()) {
+            tracer_.set_time(now);
+            tracer_.local_reply(own_number(), status, message);
+        }
         if (OutstandingCalls::Call* call = calls_.find_waiting(local->call)) {
             const Bytes body = message.subspan(giop::reply_header_size);
             calls_.end(*call, CallAnswer{status, buffers_.copy_of(body)});
@@ -220,6 +229,10 @@ void Engine::answer(const AnswerTo& to, giop::ReplyStatus status, MutableBytes m
 
 void Engine::refuse(const AnswerTo& to, const SystemError& error, TimePoint now) {
     if (const auto* local = std::get_if<LocalCaller>(&to)) {
+        if (tracer_.on()) {
+            tracer_.set_time(now);
+            tracer_.local_failure(own_number(), error);
+        }
         if (OutstandingCalls::Call* call = calls_.find_waiting(local->call)) {
             calls_.end(*call, error);
         } else {
@@ -237,6 +250,7 @@ void Engine::refuse(const AnswerTo& to, const SystemError& error, TimePoint now)
 // ---- the link
 
 void Engine::on_event(const can::ControllerEvent& event, TimePoint now) {
+    tracer_.set_time(now);
     if (const auto* received = std::get_if<can::Received>(&event)) {
         on_frame(*received, now);
     } else if (const auto* result = std::get_if<can::TransmitResult>(&event)) {
@@ -292,6 +306,7 @@ void Engine::on_message(const caniop::Message& message, TimePoint now) {
     const caniop::Identifier from = message.from;
     const NodeId peer{from.sender};
     const auto parsed = giop::parse(message.octets);
+    if (tracer_.on()) trace_received(message);
     if (!from.peer_to_peer && !(parsed && std::holds_alternative<giop::Request>(*parsed))) {
         counters_.add(Counter::replies_on_group);
         return;
@@ -376,6 +391,7 @@ void Engine::on_message_error(NodeId peer) {
 }
 
 void Engine::on_oversize(const caniop::Oversize& message, TimePoint now) {
+    if (tracer_.on()) tracer_.refused(message.from, message.first_frame);
     const NodeId peer{message.from.sender};
     if (!message.from.peer_to_peer) return;  // counted by the reassembler, and nobody to tell
     if (const auto request = giop::parse_request_header(message.first_frame)) {
@@ -394,6 +410,7 @@ void Engine::on_oversize(const caniop::Oversize& message, TimePoint now) {
 }
 
 void Engine::on_malformed(const caniop::Malformed& message, TimePoint received, TimePoint now) {
+    if (tracer_.on()) tracer_.malformed(message.from, message.first_frame);
     const std::uint8_t first = message.first_frame.front();
     const bool in_answer = first == giop::type_and_flags(giop::MessageType::reply) ||
                            first == giop::type_and_flags(giop::MessageType::message_error);
@@ -428,6 +445,7 @@ std::optional<caniop::FilterSet> Engine::take_filters(const can::Capabilities& c
 // ---- time
 
 void Engine::on_time(TimePoint now) {
+    tracer_.set_time(now);
     // First, the messages not begun: their deadline is their call's, which ends with NO.
     queue_.expire(now);
     collect_finished();
@@ -451,6 +469,7 @@ void Engine::fail_calls(std::optional<NodeId> peer, const SystemError& error) {
 
 void Engine::collect_finished() {
     while (const auto finished = queue_.next_finished()) {
+        if (tracer_.on()) tracer_.finished(*finished);
         OutstandingCalls::Call* call = calls_.find_waiting(finished->handle);
         switch (finished->outcome) {
             case caniop::MessageOutcome::sent:

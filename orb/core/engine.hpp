@@ -21,6 +21,7 @@
 #include "orb/caniop/reassembler.hpp"
 #include "orb/caniop/transmit_queue.hpp"
 #include "orb/core/buffer_pool.hpp"
+#include "orb/core/message_tracer.hpp"
 #include "orb/core/outstanding_calls.hpp"
 #include "orb/mca/multicast_agent.hpp"
 #include "orb/poa/object_adapter.hpp"
@@ -203,6 +204,10 @@ class Engine {
     std::optional<Notice> next_notice() { return notices_.pop(); }
     BufferPool& buffers() { return buffers_; }
 
+    /// Off until turned on. The owner sets its time before call() and send(), which have none.
+    MessageTracer& tracer() { return tracer_; }
+    const MessageTracer& tracer() const { return tracer_; }
+
   private:
     using Sent = Result<std::optional<caniop::MessageHandle>, SystemError>;
 
@@ -232,6 +237,13 @@ class Engine {
     bool is_duplicate(caniop::Identifier from, RequestId id);
     void fail_calls(std::optional<NodeId> peer, const SystemError& error);
     void note_groups(std::size_t groups_before);
+
+    // engine_tracing.cpp
+    NodeId own_number() const { return options_.node.value_or(NodeId{0}); }
+    const InterfaceInfo* interface_of(ObjectIndex object) const;
+    void trace_local_request(ObjectKey target, OperationId operation, Bytes message, bool oneway);
+    void trace_received(const caniop::Message& message);
+
     void collect_finished();
     void notify(Notice notice);
 
@@ -247,6 +259,7 @@ class Engine {
     std::vector<IncomingRequest> held_;  ///< in the order of their coming
     bool held_may_go_ = false;           ///< something changed since they were looked at
     Fifo<Notice> notices_;
+    MessageTracer tracer_;
     RequestId next_request_id_;
     bool filters_changed_ = true;
     bool link_down_ = false;

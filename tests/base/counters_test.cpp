@@ -52,6 +52,7 @@ constexpr Named all[] = {
     {Counter::group_requests_dropped, "group_requests_dropped"},
     {Counter::answers_dropped, "answers_dropped"},
     {Counter::notices_lost, "notices_lost"},
+    {Counter::traces_lost, "traces_lost"},
 };
 
 TEST(CounterNames, AreTheEnumerators) {

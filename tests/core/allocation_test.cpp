@@ -104,5 +104,19 @@ TEST(Allocation, NoneForACallOnceWarm) {
     EXPECT_EQ(pair.client.counters()[Counter::message_errors_sent], 110U);
 }
 
+TEST(Allocation, NoneForTracingThatIsOff) {
+    Pair pair;
+    for (int i = 0; i < 10; ++i) pair.round();
+    pair.client.tracer().turn(true);
+    pair.round();
+    EXPECT_TRUE(pair.client.tracer().has_next());
+    pair.client.tracer().turn(false);
+    ASSERT_FALSE(HasFailure());
+    const std::size_t before = allocations;
+    for (int i = 0; i < 100; ++i) pair.round();
+    EXPECT_EQ(allocations - before, 0U);
+    EXPECT_FALSE(pair.client.tracer().has_next());
+}
+
 }  // namespace
 }  // namespace canorb::core
