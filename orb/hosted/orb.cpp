@@ -103,6 +103,9 @@ void Orb::on_event(std::function<void(const Event&)> callback) {
 void Orb::on_restart(std::function<void()> callback) {
     impl_->on_restart(std::move(callback));
 }
+void Orb::on_message(std::function<void(const MessageTrace&)> callback) {
+    impl_->on_message(std::move(callback));
+}
 
 Counters Orb::counters() const {
     return impl_->counters();

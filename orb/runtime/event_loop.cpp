@@ -48,6 +48,7 @@ bool OrbImpl::wait(Lock& lock, Role role, TimePoint deadline, const Condition& d
         is_done = done();
         // A caller that runs no event loop learns that its call was sent before it returns.
         if (is_done && role == Role::caller && may_run(role) && run_sent(lock)) continue;
+        if (is_done && role == Role::caller && may_run(role) && run_trace(lock)) continue;
         if (is_done || closed_ || time >= deadline) break;
         if (user_code_.is_too_deep() && refuse_nested(time)) continue;
         if (may_run(role) && run_one(lock)) continue;

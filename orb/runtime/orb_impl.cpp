@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <random>
 #include <system_error>
 
@@ -29,6 +30,11 @@ void check_text(std::string_view what, const std::string& text, std::size_t long
     if (text.find('\0') != std::string::npos) {
         throw_system_exception(cause::bad_option, std::string{what} + " has a NUL in it");
     }
+}
+
+bool is_asked_for_by_the_environment() {
+    const char* trace = std::getenv("CANORB_TRACE");
+    return trace != nullptr && std::string_view{trace} == "1";
 }
 
 OrbOptions checked(OrbOptions options) {
@@ -78,6 +84,7 @@ OrbOptions checked(OrbOptions options) {
                                    " is not from 0 to less than half of inter_frame_timeout " +
                                    in_words(options.inter_frame_timeout));
     }
+    options.trace = options.trace || is_asked_for_by_the_environment();
     if (!options.log) {
         options.log = [](std::string_view line) {
             std::fprintf(stderr, "%.*s\n", static_cast<int>(line.size()), line.data());
@@ -122,6 +129,7 @@ OrbImpl::OrbImpl(Bus& bus, OrbOptions options)
     }
     if (Simulation* simulation = bus_.simulation()) simulation->impl().add(*this);
     Lock lock{mutex_};
+    engine_.tracer().turn(options_.trace);
     transmit(now());  // installs the filters
     lock.unlock();
     try {
@@ -154,6 +162,7 @@ void OrbImpl::close() {
     ++sleeping_;
     changed_.wait(lock, [&] { return waiting_ == 0; });
     --sleeping_;
+    log_last_traces(lock);
     if (Simulation* simulation = bus_.simulation()) simulation->impl().remove(*this);
     // References may keep this object alive, but nothing on the bus may; and callbacks, which may
     // hold references, must not keep it alive for ever. What they hold may call this ORB while it
@@ -165,6 +174,7 @@ void OrbImpl::close() {
     const auto unsent = std::exchange(unsent_, {});
     const auto event_callback = std::exchange(event_callback_, nullptr);
     const auto restart_callback = std::exchange(restart_callback_, nullptr);
+    const auto message_callback = std::exchange(message_callback_, nullptr);
     lock.unlock();
 }
 
@@ -217,6 +227,7 @@ core::CallResult OrbImpl::call(ObjectKey target, OperationId operation, MutableB
     require_open();
     require_node();
     const TimePoint until = deadline(timeout);
+    if (engine_.tracer().on()) engine_.tracer().set_time(now());
     const auto handle = engine_.call(target, operation, message, until);
     if (!handle) return handle.error();
     const bool refused = engine_.ended(*handle);
@@ -233,6 +244,7 @@ std::optional<SystemError> OrbImpl::send(ObjectKey target, OperationId operation
     const Lock lock{mutex_};
     require_open();
     require_node();
+    if (engine_.tracer().on()) engine_.tracer().set_time(now());
     const auto queued = engine_.send(target, operation, message, deadline(timeout));
     if (!queued) return queued.error();
     after_queueing(*queued, sent);

@@ -121,6 +121,7 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
         const Lock lock{mutex_};
         look(engine_);
     }
+    void on_message(std::function<void(const MessageTrace&)> callback);
     Counters counters() const;
     can::ErrorStatus error_status() const;
     can::Capabilities capabilities() const;
@@ -194,6 +195,11 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     bool run_sent(Lock& lock);
     bool run_restart(Lock& lock);
     bool run_timer(Lock& lock);
+    /// Hands the oldest trace to the log and the callback.
+    bool run_trace(Lock& lock);
+    /// The rest goes to the log alone: nobody runs the event loop any more.
+    void log_last_traces(Lock& lock);
+    void log_trace(const MessageTrace& trace) const;
     /// What the code raised, in words; empty: nothing.
     std::string run_user_code(Lock& lock, std::function<void()> code);
     /// The same for all user code but servants.
@@ -242,6 +248,7 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     std::vector<SentCallback> unsent_;  ///< never to be called: to be destroyed without the mutex
     std::deque<Event> events_;          ///< to be reported
     std::shared_ptr<const std::function<void(const Event&)>> event_callback_;
+    std::shared_ptr<const std::function<void(const MessageTrace&)>> message_callback_;
     std::shared_ptr<const Callback> restart_callback_;
     TimePoint restart_due_ = never;  ///< at the latest; never: nobody asked
     bool served_last_ = false;       ///< a request, and no timer since

@@ -24,6 +24,7 @@ bool OrbImpl::run_one(Lock& lock) {
         report(lock, std::move(event));
         return true;
     }
+    if (run_trace(lock)) return true;
     if (run_sent(lock) || run_restart(lock)) return true;
     // A simulation runs timers itself, in its order.
     const bool runs_timers = bus_.simulation() == nullptr;

@@ -25,6 +25,7 @@
 #include "canorb/poa.hpp"
 #include "canorb/servant.hpp"
 #include "orb/base/counters.hpp"
+#include "orb/core/message_trace.hpp"
 
 namespace canorb {
 
@@ -40,6 +41,9 @@ struct Event {
     TimePoint time;
     std::string text;
 };
+
+/// One message in or out with its header decoded; `to_string(trace)` is its line. doc/tracing.md.
+using MessageTrace = core::MessageTrace;
 
 struct OrbOptions {
     /// This node's number, 0..30. Unset: it may receive nothing and call nobody until set_node().
@@ -76,6 +80,9 @@ struct OrbOptions {
     std::size_t worker_threads = 0;
     /// The least gap between two frames of one message, for slow receivers.
     Duration continuation_gap{0};
+    /// Gives `log` a line for each message in and out. The environment can ask for it, too:
+    /// CANORB_TRACE=1.
+    bool trace = false;
     /// Gets each event's line. Unset: they go to standard error.
     std::function<void(std::string_view line)> log{};
 };
@@ -161,6 +168,11 @@ class Orb {
     ///
     /// Requests until then are one. An empty callback, as at first: they get NO_PERMISSION.
     void on_restart(std::function<void()> callback);
+    /// Replaces the callback for each message that this node sends, receives or makes within
+    /// itself; called from the event loop. An empty one ends it. Tracing costs next to nothing
+    /// until the first callback is set. What the event loop does not fetch in time is counted:
+    /// traces_lost.
+    void on_message(std::function<void(const MessageTrace&)> callback);
     Counters counters() const;
     can::ErrorStatus error_status() const;
     can::Capabilities link_capabilities() const;
