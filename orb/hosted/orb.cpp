@@ -10,6 +10,7 @@ Orb::Orb(Bus& bus, OrbOptions options)
     if (impl_->options().management_object) {
         impl_->set_management_object(std::make_unique<services::NodeObject>(*impl_));
     }
+    impl_->start_workers();
 }
 
 Orb::~Orb() {

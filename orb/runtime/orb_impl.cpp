@@ -131,7 +131,9 @@ OrbImpl::OrbImpl(Bus& bus, OrbOptions options)
     Lock lock{mutex_};
     engine_.tracer().turn(options_.trace);
     transmit(now());  // installs the filters
-    lock.unlock();
+}
+
+void OrbImpl::start_workers() {
     try {
         for (std::size_t i = 0; i < options_.worker_threads; ++i) {
             workers_.emplace_back([this] { run_worker(); });

@@ -74,6 +74,10 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     OrbImpl(Bus& bus, OrbOptions options);
     ~OrbImpl() override;
 
+    /// To be called once, when all that the workers are to serve from the start is there. Throws
+    /// NO_RESOURCES.
+    void start_workers();
+
     /// Sends what is queued, then lets go of the bus. Calls throw BAD_INV_ORDER from then on.
     void close();
 
@@ -112,7 +116,7 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
 
     void on_event(std::function<void(const Event&)> callback);
     void on_restart(Callback callback);
-    /// Has the restart callback called when what is queued by then is sent. False: there is none.
+    /// Has the restart callback called when whoever asks has the answer. False: there is none.
     [[nodiscard]] bool request_restart();
 
     /// Calls `look` with what the engine knows, while it cannot change. `look` calls nothing here.
@@ -266,7 +270,7 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     std::vector<std::unique_ptr<Poa>> poas_;             ///< by PoaId, destroyed ones too
     std::optional<Watch> watch_;                         ///< once event_fd() was asked for
     bool stop_workers_ = false;
-    std::vector<std::thread> workers_;  ///< touched by constructor and destructor only
+    std::vector<std::thread> workers_;  ///< touched by start_workers() and the destructor only
 };
 
 }  // namespace canorb::runtime

@@ -55,10 +55,12 @@ bool OrbImpl::run_sent(Lock& lock) {
 }
 
 bool OrbImpl::run_restart(Lock& lock) {
-    // Who asked for it is to get the answer.
-    const bool is_due =
-        restart_due_ != never && (engine_.queued_messages() == 0 || now() >= restart_due_);
-    if (!is_due || !user_code_.may_call_back()) return false;
+    if (restart_due_ == never || !user_code_.may_call_back()) return false;
+    // Who asked for it is to get the answer, which another thread may not even have queued.
+    const bool answered = engine_.queued_messages() == 0 &&
+                          std::ranges::find(servant_calls_, management_object_index,
+                                            &ServantCall::object) == servant_calls_.end();
+    if (!answered && now() < restart_due_) return false;
     restart_due_ = never;
     const std::string failure =
         run_callback(lock, [callback = restart_callback_] { (*callback)(); });

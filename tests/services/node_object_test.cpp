@@ -394,6 +394,8 @@ TEST_F(NodeObject, IsNoObjectOfAnyPoa) {
     TestServant lamp;
     EXPECT_THROW(server->root_poa().activate_object_with_id(0, lamp), BAD_PARAM);
     EXPECT_THROW(server->root_poa().deactivate_object(0), ObjectNotActive);
+    EXPECT_THROW(server->root_poa().id_to_servant(0), ObjectNotActive);
+    EXPECT_THROW(server->root_poa().id_to_reference(0), ObjectNotActive);
     EXPECT_THAT(what<BAD_PARAM>([&] { server->object_join(self, GroupId{5}); }),
                 HasSubstr("the node's management object is a member of no group"));
     EXPECT_FALSE(server->object_is_member(self, GroupId{5}));

@@ -4,6 +4,7 @@
 
 #include <thread>
 
+#include "orb/runtime/orb_impl.hpp"
 #include "tests/runtime/world.hpp"
 #include "tests/support/octets.hpp"
 
@@ -46,6 +47,29 @@ TEST_F(NodeRestart, BeginsWhenTheAnswerIsOnTheBus) {
     const std::string id = on_the_bus[0].substr(6, 4);
     // Request, object key: node 3, index 0; operation 7. Reply, NO_EXCEPTION.
     EXPECT_THAT(on_the_bus, ElementsAre("100005" + id + "180007", "110003" + id + "00"));
+}
+
+TEST_F(NodeRestart, WaitsForACallThatIsNotYetAnswered) {
+    // Requests are served, and messages sent, between the asking and the answer.
+    auto orb = std::make_shared<runtime::OrbImpl>(bus, node(7));
+    TestServant lamp{{{0, nothing}}};
+    client.root_poa().activate_object_with_id(1, lamp);
+    std::vector<std::string> order;
+    orb->on_restart([&] { order.emplace_back("restart"); });
+    orb->set_management_object(
+        std::make_unique<TestServant>(std::map<OperationId, TestServant::Operation>{
+            {7, [&](ServerCall& call) {
+                 EXPECT_TRUE(orb->request_restart());
+                 orb->string_to_object("corbaloc:caniop:1/1").invoke(0, {});
+                 order.emplace_back("answer");
+                 nothing(call);
+             }}}));
+    node_object(client, 7).restart();
+    simulation.run_for(1ms);
+    EXPECT_EQ(lamp.calls, 1);
+    EXPECT_THAT(order, ElementsAre("answer", "restart"));
+    orb->on_restart({});
+    orb->close();
 }
 
 TEST_F(NodeRestart, EndsTheEventLoopOfWhoShutsDown) {
