@@ -2,8 +2,8 @@
 
 #include <algorithm>
 
+#include "common/program.hpp"
 #include "groups.hpp"
-#include "program.hpp"
 #include "schedule.hpp"
 
 namespace tank {
@@ -20,8 +20,8 @@ LiveTank::LiveTank(canorb::Bus& bus)
     orb_a_.every(Plant::step_length, [this] { a_.set_temperature(temperature_c_); });
     orb_b_.every(Plant::step_length,
                  [this, start = orb_b_.now()] { b_.pass_time(steps_.take(orb_b_.now() - start)); });
-    keep_on_bus(orb_a_);
-    keep_on_bus(orb_b_);
+    common::keep_on_bus(orb_a_);
+    common::keep_on_bus(orb_b_);
     thread_b_ = std::thread{[this] { run(orb_b_); }};
     thread_a_ = std::thread{[this] { run(orb_a_); }};
 }

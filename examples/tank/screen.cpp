@@ -1,25 +1,26 @@
 #include "screen.hpp"
 
-#define NCURSES_NOMACROS
-#include <curses.h>
 #include <fmt/format.h>
 #include <langinfo.h>
 
 #include <algorithm>
 #include <chrono>
-#include <clocale>
 #include <deque>
 #include <string>
 #include <string_view>
 
+#include "common/program.hpp"
+#include "common/terminal.hpp"
 #include "display.hpp"
-#include "program.hpp"
 
 namespace tank {
 
 namespace {
 
 using Clock = std::chrono::steady_clock;
+using common::Colour;
+using common::colour;
+using common::put;
 
 constexpr int least_columns = 80;
 constexpr int least_rows = 22;
@@ -30,51 +31,10 @@ constexpr std::chrono::milliseconds column_length{200};
 constexpr std::chrono::milliseconds frame_length{50};
 constexpr std::size_t most_history = 1000;
 
-enum Colour : short { level_colour = 1, setpoint_colour, alarm_colour, led_colour };
-
-// The terminal while ncurses has it: given back however this ends.
-class Terminal {
-  public:
-    Terminal() : screen_(::newterm(nullptr, stdout, stdin)) {
-        if (screen_ == nullptr) return;
-        ::cbreak();
-        ::noecho();
-        ::keypad(stdscr, true);
-        ::curs_set(0);
-        ::wtimeout(stdscr, static_cast<int>(frame_length.count()));
-        if (::has_colors()) {
-            ::start_color();
-            ::use_default_colors();
-            ::init_pair(level_colour, COLOR_CYAN, -1);
-            ::init_pair(setpoint_colour, COLOR_YELLOW, -1);
-            ::init_pair(alarm_colour, COLOR_RED, -1);
-            ::init_pair(led_colour, COLOR_GREEN, -1);
-        }
-    }
-    ~Terminal() {
-        if (screen_ == nullptr) return;
-        ::endwin();
-        ::delscreen(screen_);
-    }
-    Terminal(const Terminal&) = delete;
-    Terminal& operator=(const Terminal&) = delete;
-
-    bool works() const { return screen_ != nullptr; }
-
-  private:
-    SCREEN* screen_;
-};
-
-void put(int row, int column, std::string_view text, chtype attributes = A_NORMAL) {
-    ::wattron(stdscr, static_cast<int>(attributes));
-    ::wmove(stdscr, row, column);
-    ::waddnstr(stdscr, text.data(), static_cast<int>(text.size()));
-    ::wattroff(stdscr, static_cast<int>(attributes));
-}
-
-chtype colour(Colour pair) {
-    return static_cast<chtype>(COLOR_PAIR(pair));
-}
+constexpr auto level_colour = Colour::cyan;
+constexpr auto setpoint_colour = Colour::yellow;
+constexpr auto alarm_colour = Colour::red;
+constexpr auto led_colour = Colour::green;
 
 class View {
   public:
@@ -213,13 +173,11 @@ class View {
 }  // namespace
 
 bool run_screen(LiveTank& tank, std::optional<canorb::Duration> limit) {
-    // For the terminal's characters only: numbers stay as they are.
-    std::setlocale(LC_CTYPE, "");
-    const Terminal terminal;
+    const common::Terminal terminal{frame_length};
     if (!terminal.works()) return false;
     View view{tank};
     const auto start = Clock::now();
-    while (!StopSignals::requested() && (!limit || Clock::now() - start < *limit)) {
+    while (!common::StopSignals::requested() && (!limit || Clock::now() - start < *limit)) {
         view.update();
         view.draw();
         const int key = ::wgetch(stdscr);

@@ -15,9 +15,10 @@
 #include <thread>
 #include <vector>
 
+#include "common/program.hpp"
 #include "live_tank.hpp"
-#include "program.hpp"
 #include "record.hpp"
+#include "schedule.hpp"
 #include "screen.hpp"
 #include "virtual_tank.hpp"
 
@@ -105,7 +106,7 @@ void run_in_lines(tank::LiveTank& tank, canorb::Duration limit) {
     using Clock = std::chrono::steady_clock;
     const auto start = Clock::now();
     auto next_status = start;
-    while (!tank::StopSignals::requested()) {
+    while (!common::StopSignals::requested()) {
         const canorb::Duration time = Clock::now() - start;
         while (const auto line = tank.next_line())
             fmt::print("{} {}: {}\n", in_seconds(time), line->source, line->text);
@@ -121,7 +122,7 @@ void run_in_lines(tank::LiveTank& tank, canorb::Duration limit) {
 
 void run_live(const Options& options) {
     const auto bus = canorb::open_bus(options.bus);
-    const tank::StopSignals stop_signals;
+    const common::StopSignals stop_signals;
     tank::LiveTank tank{*bus};
     const bool terminal = ::isatty(STDIN_FILENO) != 0 && ::isatty(STDOUT_FILENO) != 0;
     if (terminal && tank::run_screen(tank, options.limit)) return;
@@ -138,23 +139,23 @@ int main(int argc, char** argv) {
         "the\n"
         "same every time.",
         "tank"};
-    tank::set_up(app);
+    common::set_up(app);
     Options options;
     canorb::Duration seconds{};
     auto* const bus = app.add_option("--bus", options.bus,
                                      "The bus to run on, live: sim:PATH, socketcan:IFNAME, ...")
                           ->capture_default_str();
-    auto* const limited = tank::add_parsed_option(app, "--seconds", seconds, tank::parse_seconds,
-                                                  "Stop after so long");
+    auto* const limited = common::add_parsed_option(app, "--seconds", seconds, tank::parse_seconds,
+                                                    "Stop after so long");
     auto* const on_virtual_clock =
         app.add_flag("--virtual", options.on_virtual_clock, "Run on a virtual clock")
             ->needs(limited)
             ->excludes(bus);
     tank::VirtualTank::Options& world = options.virtual_tank;
     for (CLI::Option* option :
-         {tank::add_parsed_option(app, "--orders", world.orders, tank::parse_orders,
-                                  "What the operator types, as TIME:ORDER,...: 10:c,20.5:h"),
-          tank::add_parsed_option(
+         {common::add_parsed_option(app, "--orders", world.orders, tank::parse_orders,
+                                    "What the operator types, as TIME:ORDER,...: 10:c,20.5:h"),
+          common::add_parsed_option(
               app, "--temperature", world.temperatures, tank::parse_temperatures,
               "How the temperature is turned, as TIME:CELSIUS,...: 30:300,40:20"),
           app.add_option("--bitrate", world.bitrate, "Of the bus, in bit/s")
@@ -166,10 +167,10 @@ int main(int argc, char** argv) {
           app.add_option("--plot", options.plot, "Write a picture to this file, SVG")}) {
         option->needs(on_virtual_clock)->group("With --virtual");
     }
-    if (const auto code = tank::parse_command_line(app, argc, argv)) return *code;
+    if (const auto code = common::parse_command_line(app, argc, argv)) return *code;
     if (limited->count() > 0) options.limit = seconds;
 
-    return tank::run_program("tank", [&] {
+    return common::run_program("tank", [&] {
         if (options.on_virtual_clock) {
             run_virtually(options);
         } else {

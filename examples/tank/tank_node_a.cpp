@@ -10,6 +10,7 @@
 #include "keyboard.hpp"
 #include "node_a.hpp"
 #include "program.hpp"
+#include "schedule.hpp"
 #include "serial_terminal.hpp"
 
 namespace {
@@ -44,12 +45,12 @@ int main(int argc, char** argv) {
         "Node A of the tank: decides what the valves do, and serves the operator on a\n"
         "pseudo-terminal, whose path it prints. + and - turn the temperature.",
         "tank_node_a"};
-    tank::set_up(app);
-    tank::NodeOptions options{.bus{}, .node = tank::default_node_a};
-    tank::add_node_options(app, options);
-    if (const auto code = tank::parse_command_line(app, argc, argv)) return *code;
+    common::set_up(app);
+    common::NodeOptions options{.bus{}, .node = tank::default_node_a};
+    common::add_node_options(app, options);
+    if (const auto code = common::parse_command_line(app, argc, argv)) return *code;
 
-    return tank::run_program("tank_node_a", [&] {
+    return common::run_program("tank_node_a", [&] {
         const auto bus = canorb::open_bus(options.bus);
         canorb::Orb orb{*bus, {.node = options.node, .name = "tank-a"}};
         tank::NodePrinter printer{orb, "A", options};
@@ -67,8 +68,8 @@ int main(int argc, char** argv) {
             temperature.turn();
             node.set_temperature(temperature.celsius());
         });
-        tank::keep_on_bus(orb);
-        const tank::StopSignals stop_signals{&orb};
+        common::keep_on_bus(orb);
+        const common::StopSignals stop_signals{&orb};
         orb.run();
     });
 }

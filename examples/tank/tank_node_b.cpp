@@ -5,15 +5,16 @@
 #include "groups.hpp"
 #include "node_b.hpp"
 #include "program.hpp"
+#include "schedule.hpp"
 
 int main(int argc, char** argv) {
     CLI::App app{"Node B of the tank: measures the level and works the valves.", "tank_node_b"};
-    tank::set_up(app);
-    tank::NodeOptions options{.bus{}, .node = tank::default_node_b};
-    tank::add_node_options(app, options);
-    if (const auto code = tank::parse_command_line(app, argc, argv)) return *code;
+    common::set_up(app);
+    common::NodeOptions options{.bus{}, .node = tank::default_node_b};
+    common::add_node_options(app, options);
+    if (const auto code = common::parse_command_line(app, argc, argv)) return *code;
 
-    return tank::run_program("tank_node_b", [&] {
+    return common::run_program("tank_node_b", [&] {
         const auto bus = canorb::open_bus(options.bus);
         canorb::Orb orb{*bus, {.node = options.node, .name = "tank-b"}};
         tank::NodePrinter printer{orb, "B", options};
@@ -25,8 +26,8 @@ int main(int argc, char** argv) {
         tank::StepsDue steps;
         orb.every(tank::Plant::step_length,
                   [&, start = orb.now()] { node.pass_time(steps.take(orb.now() - start)); });
-        tank::keep_on_bus(orb);
-        const tank::StopSignals stop_signals{&orb};
+        common::keep_on_bus(orb);
+        const common::StopSignals stop_signals{&orb};
         orb.run();
     });
 }

@@ -13,8 +13,9 @@
 #include <string>
 #include <system_error>
 
+#include "common/program.hpp"
 #include "keyboard.hpp"
-#include "program.hpp"
+#include "schedule.hpp"
 #include "serial_terminal.hpp"
 
 namespace {
@@ -43,7 +44,7 @@ bool print(std::string_view text) {
 // error), nobody reads the output, `end`, or a signal.
 void serve(int line, const std::string& path, Clock::time_point end) {
     bool keys = ::isatty(STDIN_FILENO) == 0 || tank::has_keyboard();
-    while (!tank::StopSignals::requested() && Clock::now() < end) {
+    while (!common::StopSignals::requested() && Clock::now() < end) {
         std::array<pollfd, 2> waiting{
             pollfd{.fd = line, .events = POLLIN, .revents = 0},
             pollfd{.fd = keys ? STDIN_FILENO : -1, .events = POLLIN, .revents = 0}};
@@ -73,15 +74,15 @@ int main(int argc, char** argv) {
         "100 "
         "ms.\nReads orders from a pipe as well.",
         "tank_operator"};
-    tank::set_up(app);
+    common::set_up(app);
     std::string path;
     app.add_option("--serial", path, "The serial line, as node A prints it")->required();
     canorb::Duration seconds{};
-    const CLI::Option* const limited = tank::add_parsed_option(
+    const CLI::Option* const limited = common::add_parsed_option(
         app, "--seconds", seconds, tank::parse_seconds, "Stop after so long");
-    if (const auto code = tank::parse_command_line(app, argc, argv)) return *code;
+    if (const auto code = common::parse_command_line(app, argc, argv)) return *code;
 
-    return tank::run_program("tank_operator", [&] {
+    return common::run_program("tank_operator", [&] {
         const tank::FileDescriptor line{
             ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC)};
         if (line.number() < 0)
@@ -91,7 +92,7 @@ int main(int argc, char** argv) {
         tank::set_raw_115200_8n1(line.number());
         // A reader that goes away must not leave the keyboard in this program's mode.
         ::signal(SIGPIPE, SIG_IGN);
-        const tank::StopSignals stop_signals;
+        const common::StopSignals stop_signals;
         const tank::KeyboardMode keyboard;
         serve(line.number(), path,
               limited->count() > 0 ? Clock::now() + seconds : Clock::time_point::max());

@@ -24,12 +24,12 @@
 #include "tests/can/temporary_directory.hpp"
 #include "tests/runtime/world.hpp"
 #include "tests/socketcan/raw_socket.hpp"
-#include "tests/tank/child.hpp"
+#include "tests/support/child.hpp"
 
 namespace canorb::test {
 
 using can::test::TemporaryDirectory;
-using tank::test::Child;
+using canorb::test::Child;
 
 /// Waits for what comes by itself, for as long as a loaded machine may take.
 inline bool wait_until(const std::function<bool()>& condition) {

@@ -10,12 +10,12 @@
 #include <string>
 #include <vector>
 
-#include "tests/tank/child.hpp"
+#include "tests/support/child.hpp"
 
 namespace tank {
 namespace {
 
-using test::Child;
+using canorb::test::Child;
 using testing::EndsWith;
 using testing::HasSubstr;
 using testing::StartsWith;

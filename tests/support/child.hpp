@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-namespace tank::test {
+namespace canorb::test {
 
 /// A program that the test started. Whatever it still does when this object goes is ended.
 class Child {
@@ -135,4 +135,4 @@ class Child {
     std::size_t found_ = 0;
 };
 
-}  // namespace tank::test
+}  // namespace canorb::test
