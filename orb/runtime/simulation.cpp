@@ -19,8 +19,9 @@ class Simulation::Impl::BusImpl final : public SimulatedBus {
         });
     }
 
-    std::unique_ptr<can::Controller> attach(std::string_view) override {
+    std::unique_ptr<can::Controller> attach(std::string_view name) override {
         can::sim::NodeOptions node;
+        node.name = name;
         if (options_.basic_can) node.filter_list = 0;
         return std::make_unique<can::sim::Controller>(bus_, node);
     }
@@ -46,6 +47,10 @@ SimulatedBus& Simulation::Impl::add_bus(Simulation& simulation,
                                         const SimulatedBusOptions& options) {
     buses_.push_back(std::make_unique<BusImpl>(simulation, options));
     return *buses_.back();
+}
+
+can::sim::Bus& Simulation::Impl::frames(std::size_t bus) {
+    return buses_.at(bus)->frames();
 }
 
 bool Simulation::Impl::step(TimePoint limit) {

@@ -33,6 +33,8 @@ namespace canorb {
 class Simulation::Impl {
   public:
     SimulatedBus& add_bus(Simulation& simulation, const SimulatedBusOptions& options);
+    /// The frames of the bus that was made as number `bus`, from 0: to watch and to disturb them.
+    can::sim::Bus& frames(std::size_t bus);
 
     void add(runtime::SimulatedOrb& orb) { orbs_.push_back(&orb); }
     void remove(runtime::SimulatedOrb& orb) { std::erase(orbs_, &orb); }
