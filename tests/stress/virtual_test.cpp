@@ -72,7 +72,7 @@ class VirtualTime : public testing::Test {
             Node& node = *nodes.back();
             node.orb().every(3ms * i, [&] { node.call_anyone(random, 20ms); });
         }
-        for (std::uint32_t i = 0; run.ledger.size() < calls; ++i) {
+        while (run.ledger.size() < calls) {
             Node& node = *nodes[below(random, Node::nodes)];
             node.call_anyone(random, 100ms / (1 + below(random, 20)));
             if (node.orb().error_status().state == can::ControllerState::bus_off) {
