@@ -32,6 +32,7 @@ constexpr std::array<std::string_view, counter_count> names = {
     "replies_on_group",
     "duplicate_requests",
     "unmatched_replies",
+    "replies_to_cancelled_calls",
     "requests_dispatched",
     "group_interface_mismatches",
     "group_requests_failed",

@@ -38,13 +38,14 @@ enum class Counter : std::uint8_t {
     oversize_messages,              ///< messages above the receiver's limit, skipped
 
     // Messages refused.
-    malformed_messages,         ///< not GIOP/CAN 1.0, or an impossible size
-    message_errors_sent,        ///< MessageErrors sent in answer to those
-    message_errors_received,    ///< MessageErrors from peers
-    message_errors_suppressed,  ///< not sent: one per peer and inter-frame timeout is enough
-    replies_on_group,           ///< a Reply or MessageError on a group identifier
-    duplicate_requests,         ///< same request_id as the Request before on that identifier
-    unmatched_replies,          ///< a Reply that no outstanding call waits for
+    malformed_messages,          ///< not GIOP/CAN 1.0, or an impossible size
+    message_errors_sent,         ///< MessageErrors sent in answer to those
+    message_errors_received,     ///< MessageErrors from peers
+    message_errors_suppressed,   ///< not sent: one per peer and inter-frame timeout is enough
+    replies_on_group,            ///< a Reply or MessageError on a group identifier
+    duplicate_requests,          ///< same request_id as the Request before on that identifier
+    unmatched_replies,           ///< a Reply that no outstanding call waits for
+    replies_to_cancelled_calls,  ///< the Reply to a call that was cancelled meanwhile
 
     // Calls.
     requests_dispatched,         ///< servant calls, local ones included

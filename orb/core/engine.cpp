@@ -189,16 +189,6 @@ Engine::Sent Engine::multicast(GroupId group, std::uint16_t interface_key, Opera
     return std::optional{*queued};
 }
 
-std::optional<caniop::MessageHandle> Engine::message_of(CallHandle handle) {
-    const OutstandingCalls::Call* call = calls_.find(handle);
-    return call == nullptr ? std::nullopt : call->message;
-}
-
-bool Engine::ended(CallHandle handle) {
-    const OutstandingCalls::Call* call = calls_.find(handle);
-    return call == nullptr || call->state == OutstandingCalls::Call::State::ended;
-}
-
 // ---- answers
 
 void Engine::answer(const AnswerTo& to, giop::ReplyStatus status, MutableBytes message,
@@ -214,7 +204,7 @@ void Engine::answer(const AnswerTo& to, giop::ReplyStatus status, MutableBytes m
             const Bytes body = message.subspan(giop::reply_header_size);
             calls_.end(*call, CallAnswer{status, buffers_.copy_of(body)});
         } else {
-            counters_.add(Counter::unmatched_replies);
+            drop_reply(calls_.drop_cancelled(local->call));
         }
     } else if (const auto* remote = std::get_if<RemoteCaller>(&to)) {
         giop::write_reply_header(message.first<giop::reply_header_size>(), remote->request_id,
@@ -236,7 +226,7 @@ void Engine::refuse(const AnswerTo& to, const SystemError& error, TimePoint now)
         if (OutstandingCalls::Call* call = calls_.find_waiting(local->call)) {
             calls_.end(*call, error);
         } else {
-            counters_.add(Counter::unmatched_replies);
+            drop_reply(calls_.drop_cancelled(local->call));
         }
         return;
     }
@@ -317,6 +307,8 @@ void Engine::on_message(const caniop::Message& message, TimePoint now) {
         const RequestId id = read_be16(message.octets.data() + giop::request_id_offset);
         if (auto* call = calls_.find_waiting(peer, id)) {
             calls_.end(*call, cause::bad_reply);
+        } else if (calls_.drop_cancelled(peer, id)) {
+            drop_reply(true);
         }
     } else if (const auto* request = std::get_if<giop::Request>(&*parsed)) {
         if (is_duplicate(from, request->id)) return;
@@ -371,7 +363,7 @@ void Engine::on_request(caniop::Identifier from, const giop::Request& request, T
 void Engine::on_reply(NodeId peer, const giop::Reply& reply) {
     OutstandingCalls::Call* call = calls_.find_waiting(peer, reply.id);
     if (call == nullptr) {
-        counters_.add(Counter::unmatched_replies);
+        drop_reply(calls_.drop_cancelled(peer, reply.id));
         return;
     }
     if (reply.status == giop::ReplyStatus::system_exception) {
@@ -404,7 +396,7 @@ void Engine::on_oversize(const caniop::Oversize& message, TimePoint now) {
         if (auto* call = calls_.find_waiting(peer, id)) {
             calls_.end(*call, cause::reply_above_limit);
         } else {
-            counters_.add(Counter::unmatched_replies);
+            drop_reply(calls_.drop_cancelled(peer, id));
         }
     }
 }
@@ -449,6 +441,7 @@ void Engine::on_time(TimePoint now) {
     // First, the messages not begun: their deadline is their call's, which ends with NO.
     queue_.expire(now);
     collect_finished();
+    calls_.expire_cancelled(now);
     calls_.for_each_waiting([&](OutstandingCalls::Call& call) {
         if (call.deadline > now) return;
         const bool not_begun = !call.peer && !call.begun;

@@ -98,7 +98,9 @@ using Notice = std::variant<std::monostate, MessageSent, MessageDropped, Duplica
 ///  * and next_request() and next_notice() for the application.
 ///
 /// Invariants:
-///  * a two-way call ends exactly once, at its deadline at the latest (given on_time());
+///  * a two-way call ends exactly once, at its deadline at the latest (given on_time()), or is
+///    cancelled and never ends;
+///  * a request id is not used again while its Reply may still come before the call's deadline;
 ///  * a message that the link or a peer sends is executed at most once, and what is not executed
 ///    is counted;
 ///  * what is held belongs to objects that were active when it came; each POA manager holds at most
@@ -156,6 +158,17 @@ class Engine {
     std::optional<caniop::MessageHandle> message_of(CallHandle call);
     /// Whether take_result() has something to give.
     bool ended(CallHandle call);
+    /// When it ends at the latest; nothing for a call that is unknown, fetched or cancelled.
+    std::optional<TimePoint> deadline_of(CallHandle call);
+    /// next_ended() is to tell its end, if it is to come.
+    void watch(CallHandle call);
+    /// A watched call that has ended: each once, in the order of their ends.
+    std::optional<CallHandle> next_ended() { return calls_.next_watched(); }
+    /// Nobody wants its end any more: the call is forgotten. A Request not begun is withdrawn, and
+    /// one to an object of this node that waits for its servant does not run; else it may have
+    /// been executed, its Reply is dropped and counted, and until then or the deadline it occupies
+    /// one of the max_outstanding_calls. No effect on a call that is unknown.
+    void cancel(CallHandle call);
     /// The end of a call; nothing while it is outstanding. The call is forgotten.
     std::optional<CallResult> take_result(CallHandle call) { return calls_.take(call); }
 
@@ -232,6 +245,7 @@ class Engine {
     void on_group_request(caniop::Identifier from, const giop::Request& request);
     void on_request(caniop::Identifier from, const giop::Request& request, TimePoint now);
     void on_reply(NodeId peer, const giop::Reply& reply);
+    void drop_reply(bool to_cancelled_call);
     void on_message_error(NodeId peer);
     void on_state(const can::StateChanged& change, TimePoint now);
     bool is_duplicate(caniop::Identifier from, RequestId id);

@@ -21,13 +21,16 @@ OutstandingCalls::Call* OutstandingCalls::open(TimePoint deadline) {
 
 bool OutstandingCalls::has_request_id(RequestId id) const {
     return std::ranges::any_of(used(), [&](const Call& call) {
-        return call.state == Call::State::waiting && call.peer && call.request_id == id;
+        const bool kept =
+            call.state == Call::State::waiting || call.state == Call::State::cancelled;
+        return kept && call.peer && call.request_id == id;
     });
 }
 
 OutstandingCalls::Call* OutstandingCalls::find(CallHandle handle) {
     for (Call& call : used()) {
-        if (call.state != Call::State::free && call.handle == handle) return &call;
+        const bool visible = call.state == Call::State::waiting || call.state == Call::State::ended;
+        if (visible && call.handle == handle) return &call;
     }
     return nullptr;
 }
@@ -55,7 +58,44 @@ OutstandingCalls::Call* OutstandingCalls::find_waiting(caniop::MessageHandle mes
 
 void OutstandingCalls::end(Call& call, CallResult result) {
     call.state = Call::State::ended;
+    call.end_number = ++ends_;
     call.result = std::move(result);
+}
+
+template <typename Belongs>
+bool OutstandingCalls::drop_cancelled_if(Belongs belongs) {
+    for (Call& call : used()) {
+        if (call.state == Call::State::cancelled && belongs(call)) {
+            discard(call);
+            return true;
+        }
+    }
+    return false;
+}
+
+bool OutstandingCalls::drop_cancelled(NodeId peer, RequestId id) {
+    return drop_cancelled_if(
+        [&](const Call& call) { return call.peer == peer && call.request_id == id; });
+}
+
+bool OutstandingCalls::drop_cancelled(CallHandle handle) {
+    return drop_cancelled_if([&](const Call& call) { return call.handle == handle; });
+}
+
+void OutstandingCalls::expire_cancelled(TimePoint now) {
+    while (drop_cancelled_if([&](const Call& call) { return call.deadline <= now; })) {
+    }
+}
+
+std::optional<CallHandle> OutstandingCalls::next_watched() {
+    Call* first = nullptr;
+    for (Call& call : used()) {
+        if (call.state != Call::State::ended || !call.watched) continue;
+        if (first == nullptr || call.end_number < first->end_number) first = &call;
+    }
+    if (first == nullptr) return std::nullopt;
+    first->watched = false;
+    return first->handle;
 }
 
 void OutstandingCalls::discard(Call& call) {
@@ -75,7 +115,9 @@ std::optional<CallResult> OutstandingCalls::take(CallHandle handle) {
 TimePoint OutstandingCalls::next_deadline() const {
     TimePoint earliest = never;
     for (const Call& call : used()) {
-        if (call.state == Call::State::waiting) earliest = std::min(earliest, call.deadline);
+        const bool has_deadline =
+            call.state == Call::State::waiting || call.state == Call::State::cancelled;
+        if (has_deadline) earliest = std::min(earliest, call.deadline);
     }
     return earliest;
 }
