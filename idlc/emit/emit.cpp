@@ -192,6 +192,13 @@ GeneratedCode generate(const model::Model& model, const std::string& stem) {
                                return servant_declaration(interface, names);
                            }));
 
+    code.header +=
+        section("Operations.",
+                interfaces([&](const auto& interface) { return operations(interface, names); }));
+    code.header += section("Asynchronous calls.", interfaces([&](const auto& interface) {
+                               return asynchronous_definitions(interface, names);
+                           }));
+
     code.header += "\n#pragma GCC diagnostic pop\n";
 
     code.source = fill(source_piece, {{"file", file}, {"stem", stem}});
@@ -200,9 +207,6 @@ GeneratedCode generate(const model::Model& model, const std::string& stem) {
                                           ? std::string{}
                                           : codec_definition(*step.definition, names);
                            }));
-    code.source +=
-        section("Operations.",
-                interfaces([&](const auto& interface) { return operations(interface, names); }));
     code.source += section("Stubs.", interfaces([&](const auto& interface) {
                                return stub_definition(interface, names);
                            }));

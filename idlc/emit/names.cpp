@@ -216,6 +216,42 @@ Names::Names(const model::Model& model) {
             operations_.insert(path + "::" + identifier(operation.name));
         }
     }
+    for (const auto& definition : model.storage) {
+        if (is_interface(definition.get())) name_asynchronous(*definition);
+    }
+}
+
+// As CORBA's asynchronous messaging does it. Names of bases count: nothing that is inherited is to
+// be hidden.
+void Names::name_asynchronous(const model::Definition& interface) {
+    const auto& operations = std::get<model::Interface>(interface.body).operations;
+    if (operations.empty() || asynchronous_.count(&operations.front()) != 0) return;
+    std::vector<const model::Definition*> lineage;
+    collect_lineage(&interface, lineage);
+    for (const model::Definition* base : lineage) {
+        if (base != &interface) name_asynchronous(*base);
+    }
+    const auto is_taken = [&](const std::string& name) {
+        return std::any_of(lineage.begin(), lineage.end(), [&](const model::Definition* one) {
+            const std::string member = path(one) + "::" + name;
+            return own(*one) == name || operations_.count(member) != 0 ||
+                   declared_.count(member) != 0;
+        });
+    };
+    for (const model::Operation& operation : operations) {
+        if (operation.oneway) continue;
+        std::string name = operation.kind == model::OperationKind::get   ? "get_" + operation.name
+                           : operation.kind == model::OperationKind::set ? "set_" + operation.name
+                                                                         : operation.name;
+        while (is_taken("sendp_" + name) || is_taken("sendc_" + name)) name = "ami_" + name;
+        operations_.insert(path(&interface) + "::sendp_" + name);
+        operations_.insert(path(&interface) + "::sendc_" + name);
+        asynchronous_[&operation] = std::move(name);
+    }
+}
+
+std::string Names::asynchronous(const model::Operation& operation) const {
+    return asynchronous_.at(&operation);
 }
 
 std::string Names::own(const model::Definition& definition) const {
@@ -374,7 +410,10 @@ std::string Names::value(const model::Value& value, const model::Type& type,
         value);
 }
 
-std::string coded(const model::Type& type, std::string_view value) {
+namespace {
+
+/// The bounds that the C++ type does not have, as template arguments; empty: it has them all.
+std::string bounds_of(const model::Type& type) {
     std::vector<std::string> bounds;
     std::size_t needed = 0;
     const model::Type* at = &model::resolved(type);
@@ -395,9 +434,21 @@ std::string coded(const model::Type& type, std::string_view value) {
         }
         at = at->element != nullptr ? &model::resolved(*at->element) : nullptr;
     }
-    if (needed == 0) return std::string{value};
     bounds.resize(needed);
-    return "canorb::ccdr::bounded<" + join(bounds, ", ") + ">(" + std::string{value} + ')';
+    return join(bounds, ", ");
+}
+
+}  // namespace
+
+std::string coded(const model::Type& type, std::string_view value) {
+    const std::string bounds = bounds_of(type);
+    if (bounds.empty()) return std::string{value};
+    return "canorb::ccdr::bounded<" + bounds + ">(" + std::string{value} + ')';
+}
+
+std::string coded_type(const model::Type& type, const std::string& spelled) {
+    const std::string bounds = bounds_of(type);
+    return bounds.empty() ? spelled : "canorb::ccdr::Bounded<" + spelled + ", " + bounds + '>';
 }
 
 std::string place(const model::Provenance& provenance) {

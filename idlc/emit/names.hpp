@@ -1,5 +1,6 @@
 #pragma once
 
+#include <map>
 #include <set>
 #include <string>
 #include <string_view>
@@ -42,6 +43,9 @@ class Names {
     /// "std::string name;" or "long count{};": nothing is left undefined.
     std::string variable(const model::Type& type, std::string_view name,
                          const Context& context) const;
+    /// What follows "sendp_" and "sendc_" in the names of an operation's asynchronous functions:
+    /// "speed", "get_ramp", with as many "ami_" before it as it takes to be no other name there.
+    std::string asynchronous(const model::Operation& operation) const;
     /// As a parameter: by value what is a scalar, else by reference.
     std::string parameter(const model::Parameter& parameter, const Context& context) const;
     /// A value as an expression of the type.
@@ -50,18 +54,22 @@ class Names {
 
   private:
     std::string path(const model::Definition* definition) const;
+    void name_asynchronous(const model::Definition& interface);
     std::string lookup_in_interface(std::string_view name, const model::Definition& interface,
                                     bool stub) const;
     /// The path of what C++ finds for an unqualified name.
     std::string lookup(std::string_view name, const Context& context) const;
 
     std::set<std::string, std::less<>> declared_;
-    std::set<std::string, std::less<>> operations_;
+    std::set<std::string, std::less<>> operations_;  ///< and their asynchronous functions
+    std::map<const model::Operation*, std::string> asynchronous_;
 };
 
 /// How `value` of the type is passed to the codec: as it is, or with the bounds that its C++ type
 /// does not have.
 std::string coded(const model::Type& type, std::string_view value);
+/// The same as a type, for what decodes it later; `spelled` is the C++ type.
+std::string coded_type(const model::Type& type, const std::string& spelled);
 
 /// "devices.idl:12".
 std::string place(const model::Provenance& provenance);

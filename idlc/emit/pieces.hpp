@@ -27,6 +27,13 @@ std::string stub_declaration(const model::Definition& interface, const std::vect
 std::string operations(const model::Definition& interface, const Names& names);
 std::string stub_definition(const model::Definition& interface, const Names& names);
 
+// Part 2, their asynchronous functions: asynchronous.cpp.
+
+/// What the stub's class declares.
+std::string asynchronous_members(const model::Definition& interface, const Names& names);
+/// Inline, for the end of the header: what nobody uses costs no octets, and all types are there.
+std::string asynchronous_definitions(const model::Definition& interface, const Names& names);
+
 /// The types of an interface, in its class: those that must wait for the class are only named.
 std::string nested_types(const model::Definition& interface, const std::vector<Step>& steps,
                          const Names& names);

@@ -61,7 +61,7 @@ $types$
     $name$ with_timeout(canorb::Duration timeout) const;
     /// A copy that calls `callback` when a call through it is on the bus.
     $name$ with_sent(canorb::SentCallback callback) const;
-$operations$};
+$operations$$asynchronous$};
 )";
 
 std::string stub_bases(const model::Definition& interface, const Names& names) {
@@ -89,7 +89,7 @@ std::string stub_members(const model::Definition& interface, const Names& names)
 
 std::string operation_info(const model::Definition& interface, const model::Operation& operation,
                            const Names& names) {
-    std::string text = "constexpr canorb::OperationInfo " + operation_constant(operation) +
+    std::string text = "inline constexpr canorb::OperationInfo " + operation_constant(operation) +
                        "{\n    .declared_in = &" + names.own(interface) +
                        "Interface, .id = " + std::to_string(operation.id) + ", .name = \"" +
                        model::wire_name(operation) + '"';
@@ -216,7 +216,8 @@ std::string stub_declaration(const model::Definition& interface, const std::vect
                               {"name", names.own(interface)},
                               {"bases", stub_bases(interface, names)},
                               {"types", nested_types(interface, steps, names)},
-                              {"operations", stub_members(interface, names)}});
+                              {"operations", stub_members(interface, names)},
+                              {"asynchronous", asynchronous_members(interface, names)}});
 }
 
 std::string operations(const model::Definition& interface, const Names& names) {

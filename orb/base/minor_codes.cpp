@@ -67,6 +67,8 @@ constexpr auto causes = std::to_array<Described>({
     {cause::restart_not_allowed, "this node allows no restart from outside"},
     {cause::no_threads, "no more threads"},
     {cause::never_a_member, "no object for groups"},
+    {cause::future_without_call, "this future is of no call"},
+    {cause::call_cancelled, "the call was cancelled while it was waited for"},
 });
 
 constexpr bool are_numbered_from_1() {

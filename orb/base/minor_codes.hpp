@@ -104,6 +104,9 @@ inline constexpr SystemError would_wait_for_itself{SystemErrorKind::bad_inv_orde
                                                    48};
 inline constexpr SystemError not_in_a_simulation{SystemErrorKind::bad_inv_order, Completion::no,
                                                  49};
+inline constexpr SystemError future_without_call{SystemErrorKind::bad_inv_order, Completion::no,
+                                                 54};
+inline constexpr SystemError call_cancelled{SystemErrorKind::bad_inv_order, Completion::maybe, 55};
 
 // UNKNOWN
 inline constexpr SystemError undeclared_exception{SystemErrorKind::unknown, Completion::maybe, 40};

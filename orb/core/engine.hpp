@@ -187,7 +187,7 @@ class Engine {
     /// Whether nobody waits: no two-way call for its answer, no Request for its servant, no
     /// message for the bus. What is held does not count.
     bool is_idle() const {
-        return incoming_.empty() && queue_.size() == 0 && calls_.next_deadline() == never;
+        return incoming_.empty() && queue_.size() == 0 && !calls_.any_waiting();
     }
     /// Answers a Request. `message` has giop::reply_header_size octets reserved in front of the
     /// body; one that is too long becomes IMP_LIMIT, YES. With NoAnswer it does nothing.

@@ -112,6 +112,11 @@ std::optional<CallResult> OutstandingCalls::take(CallHandle handle) {
     return result;
 }
 
+bool OutstandingCalls::any_waiting() const {
+    return std::ranges::any_of(used(),
+                               [](const Call& call) { return call.state == Call::State::waiting; });
+}
+
 TimePoint OutstandingCalls::next_deadline() const {
     TimePoint earliest = never;
     for (const Call& call : used()) {

@@ -89,6 +89,8 @@ class OutstandingCalls {
         }
     }
 
+    /// Whether somebody waits for the end of a call; nobody does of a cancelled one.
+    bool any_waiting() const;
     /// The earliest deadline of those that wait or are cancelled; never: none.
     TimePoint next_deadline() const;
 

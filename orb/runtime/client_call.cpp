@@ -23,7 +23,10 @@ std::uint16_t group_key(const InterfaceInfo& interface) {
 }  // namespace
 
 ClientCall::ClientCall(const ObjectRef& target, const OperationInfo& operation)
-    : target_(target), operation_(operation), out_(MutableBytes{}), in_(Bytes{}) {
+    : target_(target),
+      operation_(operation),
+      out_(MutableBytes{}),
+      reply_(target.orb_.get(), *target.to_, operation) {
     if (target.is_nil()) throw_system_exception(cause::nil_reference, operation.name);
     if (!target.orb_) throw_system_exception(cause::reference_without_orb, operation.name);
     if (target.is_group() && !operation.groupable) {
@@ -38,9 +41,7 @@ ClientCall::ClientCall(const ObjectRef& target, const OperationInfo& operation)
 }
 
 ClientCall::~ClientCall() {
-    if (request_.empty()) return;
-    target_.orb_->message_buffers().give_back(std::move(request_));
-    target_.orb_->give_back(std::move(reply_));
+    if (!request_.empty()) target_.orb_->message_buffers().give_back(std::move(request_));
 }
 
 void ClientCall::check_written() const {
@@ -58,46 +59,75 @@ void ClientCall::check_written() const {
     }
 }
 
-bool ClientCall::perform() {
+MutableBytes ClientCall::message() {
+    return MutableBytes{request_}.first(giop::request_header_size + out_.size());
+}
+
+void ClientCall::fail(const SystemError& error) const {
+    throw_system_exception(error, description(operation_, *target_.to_));
+}
+
+bool ClientCall::send_unanswered() {
+    if (!target_.is_group() && !operation_.oneway) return false;
     runtime::OrbImpl& orb = *target_.orb_;
     const core::Reference& to = *target_.to_;
-    const MutableBytes message =
-        MutableBytes{request_}.first(giop::request_header_size + out_.size());
-    if (target_.is_group() || operation_.oneway) {
-        const auto error =
-            target_.is_group()
-                ? orb.multicast(to.group, group_key(*operation_.declared_in), operation_.id,
-                                message, target_.timeout_, target_.sent_)
-                : orb.send(to.key, operation_.id, message, target_.timeout_, target_.sent_);
-        if (error) throw_system_exception(*error, description(operation_, to));
-        return true;
+    const auto error =
+        target_.is_group()
+            ? orb.multicast(to.group, group_key(*operation_.declared_in), operation_.id, message(),
+                            target_.timeout_, target_.sent_)
+            : orb.send(to.key, operation_.id, message(), target_.timeout_, target_.sent_);
+    if (error) fail(*error);
+    return true;
+}
+
+void ClientCall::perform() {
+    if (send_unanswered()) return;
+    core::CallResult result = target_.orb_->call(target_.to_->key, operation_.id, message(),
+                                                 target_.timeout_, target_.sent_);
+    reply_.accept(std::move(result));
+}
+
+PendingReply ClientCall::send() {
+    core::CallHandle call{};
+    if (!send_unanswered()) {
+        const auto begun = target_.orb_->begin_call(target_.to_->key, operation_.id, message(),
+                                                    target_.timeout_, target_.sent_);
+        if (!begun) fail(begun.error());
+        call = *begun;
     }
-    core::CallResult result =
-        orb.call(to.key, operation_.id, message, target_.timeout_, target_.sent_);
+    return {target_.orb_, target_.to_, operation_, call};
+}
+
+// ---- the Reply
+
+CallReply::~CallReply() {
+    if (has_reply_) orb_->give_back(std::move(body_));
+}
+
+void CallReply::accept(core::CallResult result) {
     if (const auto* error = std::get_if<SystemError>(&result)) {
-        throw_system_exception(*error, description(operation_, to));
+        throw_system_exception(*error, description(operation_, to_));
     }
     auto& answer = std::get<core::CallAnswer>(result);
-    reply_ = std::move(answer.body);
-    in_ = ccdr::Decoder{reply_, orb.decode_context()};
+    body_ = std::move(answer.body);
+    in_ = ccdr::Decoder{body_, orb_->decode_context()};
     has_reply_ = true;
-    if (answer.status == giop::ReplyStatus::no_exception) return true;
+    if (answer.status == giop::ReplyStatus::no_exception) return;
+    is_user_exception_ = true;
     exception_id_ = in_.string();
     if (!in_.ok()) throw_system_exception(cause::bad_reply, "a user exception without its id");
-    return false;
 }
 
-void ClientCall::check_read() const {
+void CallReply::check_read() const {
     if (in_.finished()) return;
-    throw_system_exception(cause::bad_reply,
-                           description(operation_, *target_.to_) +
-                               ": the reply is not the encoding of the declared types");
+    throw_system_exception(
+        cause::bad_reply,
+        description(operation_, to_) + ": the reply is not the encoding of the declared types");
 }
 
-void ClientCall::raise_unknown_user_exception() const {
-    throw_system_exception(
-        cause::unexpected_user_exception,
-        description(operation_, *target_.to_) + " raised " + std::string{exception_id_});
+void CallReply::raise_unknown() const {
+    throw_system_exception(cause::unexpected_user_exception,
+                           description(operation_, to_) + " raised " + std::string{exception_id_});
 }
 
 }  // namespace canorb

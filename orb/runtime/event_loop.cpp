@@ -147,6 +147,7 @@ void OrbImpl::collect_notices() {
             add_event(describe(*notice));
         }
     }
+    while (const auto call = engine_.next_ended()) call_callbacks_.ended(*call);
 }
 
 void OrbImpl::add_event(Event event) {
@@ -248,7 +249,8 @@ bool OrbImpl::drain(Duration limit) {
     require_open();
     require_no_user_code("drain()");
     return wait(lock, Role::loop, after(limit), [&] {
-        return engine_.is_idle() && servant_calls_.empty() && sent_.empty() && events_.empty();
+        return engine_.is_idle() && servant_calls_.empty() && sent_.empty() &&
+               !call_callbacks_.has_due() && events_.empty();
     });
 }
 

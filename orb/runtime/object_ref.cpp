@@ -114,7 +114,7 @@ std::vector<std::uint8_t> ObjectRef::invoke(OperationId operation, Bytes paramet
     ClientCall call{*this, info};
     call.write(poa::RawOctets{parameters});
     call.invoke();
-    const Bytes body = call.in_.octets(call.in_.remaining());
+    const Bytes body = call.reply_.octets();
     return {body.begin(), body.end()};
 }
 

@@ -174,6 +174,7 @@ void OrbImpl::close() {
     const auto waiting_for_sent = std::exchange(sent_callbacks_, {});
     const auto sent = std::exchange(sent_, {});
     const auto unsent = std::exchange(unsent_, {});
+    const CallCallbacks call_callbacks = std::exchange(call_callbacks_, {});
     const auto event_callback = std::exchange(event_callback_, nullptr);
     const auto restart_callback = std::exchange(restart_callback_, nullptr);
     const auto message_callback = std::exchange(message_callback_, nullptr);
@@ -221,23 +222,6 @@ std::optional<SentCallback> OrbImpl::take_sent_callback(caniop::MessageHandle me
     SentCallback callback = std::move(found->second);
     sent_callbacks_.erase(found);
     return callback;
-}
-
-core::CallResult OrbImpl::call(ObjectKey target, OperationId operation, MutableBytes message,
-                               Duration timeout, const SentCallback& sent) {
-    Lock lock{mutex_};
-    require_open();
-    require_node();
-    const TimePoint until = deadline(timeout);
-    if (engine_.tracer().on()) engine_.tracer().set_time(now());
-    const auto handle = engine_.call(target, operation, message, until);
-    if (!handle) return handle.error();
-    const bool refused = engine_.ended(*handle);
-    after_queueing(engine_.message_of(*handle), refused ? SentCallback{} : sent);
-    wait(lock, Role::caller, until, [&] { return engine_.ended(*handle); });
-    if (auto result = engine_.take_result(*handle)) return std::move(*result);
-    if (closed_) throw_system_exception(cause::orb_went_during_call);
-    return cause::call_lost;
 }
 
 std::optional<SystemError> OrbImpl::send(ObjectKey target, OperationId operation,

@@ -19,6 +19,7 @@
 #include "orb/core/engine.hpp"
 #include "orb/core/reference.hpp"
 #include "orb/giop/format.hpp"
+#include "orb/runtime/call_callbacks.hpp"
 #include "orb/runtime/condition.hpp"
 #include "orb/runtime/simulation_impl.hpp"
 #include "orb/runtime/timers.hpp"
@@ -146,6 +147,25 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
                                          Duration timeout, const SentCallback& sent);
     const ccdr::DecodeContext* decode_context() const { return &owner_; }
 
+    // ---- for futures: orb_calls.cpp
+
+    /// Begins a two-way call; its end is fetched with finish_call().
+    Result<core::CallHandle, SystemError> begin_call(ObjectKey target, OperationId operation,
+                                                     MutableBytes message, Duration timeout,
+                                                     const SentCallback& sent);
+    /// Waits for the end of a call, as call() does. Throws BAD_INV_ORDER when the Orb goes, or the
+    /// call is cancelled, before it has ended.
+    core::CallResult finish_call(core::CallHandle call);
+    /// Whether finish_call() would return, or throw, at once.
+    bool has_ended(core::CallHandle call);
+    /// Waits until then at most, and not beyond the call's deadline. Whether it has ended.
+    bool wait_for_end(core::CallHandle call, Duration duration);
+    void cancel_call(core::CallHandle call);
+    /// Runs `callback` from the event loop when the call has ended; at once for a call that is
+    /// unknown. Throws BAD_INV_ORDER.
+    CallbackId when_ended(core::CallHandle call, Callback callback);
+    void cancel_callback(CallbackId callback);
+
     // ---- for the Simulation
     bool work() override;
     bool run_due_timer() override;
@@ -170,6 +190,10 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     enum class Role : std::uint8_t { loop, caller, closing };
 
     bool wait(Lock& lock, Role role, TimePoint deadline, const Condition& done);
+    Result<core::CallHandle, SystemError> begin_call(Lock& lock, ObjectKey target,
+                                                     OperationId operation, MutableBytes message,
+                                                     Duration timeout, const SentCallback& sent);
+    core::CallResult finish_call(Lock& lock, core::CallHandle call);
     void lead(Lock& lock, TimePoint until);
     void run_worker();
     void stop_workers();
@@ -204,6 +228,7 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     /// The rest goes to the log alone: nobody runs the event loop any more.
     void log_last_traces(Lock& lock);
     void log_trace(const MessageTrace& trace) const;
+    bool run_call_callback(Lock& lock);
     /// What the code raised, in words; empty: nothing.
     std::string run_user_code(Lock& lock, std::function<void()> code);
     /// The same for all user code but servants.
@@ -250,7 +275,8 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     std::vector<std::pair<caniop::MessageHandle, SentCallback>> sent_callbacks_;
     std::deque<SentCallback> sent_;     ///< to be called
     std::vector<SentCallback> unsent_;  ///< never to be called: to be destroyed without the mutex
-    std::deque<Event> events_;          ///< to be reported
+    CallCallbacks call_callbacks_;
+    std::deque<Event> events_;  ///< to be reported
     std::shared_ptr<const std::function<void(const Event&)>> event_callback_;
     std::shared_ptr<const std::function<void(const MessageTrace&)>> message_callback_;
     std::shared_ptr<const Callback> restart_callback_;

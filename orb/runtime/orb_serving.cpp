@@ -25,7 +25,7 @@ bool OrbImpl::run_one(Lock& lock) {
         return true;
     }
     if (run_trace(lock)) return true;
-    if (run_sent(lock) || run_restart(lock)) return true;
+    if (run_sent(lock) || run_call_callback(lock) || run_restart(lock)) return true;
     // A simulation runs timers itself, in its order.
     const bool runs_timers = bus_.simulation() == nullptr;
     // They take turns, so that neither a flood of requests nor a slow timer keeps the other out.

@@ -76,6 +76,8 @@ TEST(MinorCodes, AreWhatDeployedNodesSend) {
         {51, cause::restart_not_allowed, "NO_PERMISSION NO"},
         {52, cause::no_threads, "NO_RESOURCES NO"},
         {53, cause::never_a_member, "BAD_PARAM NO"},
+        {54, cause::future_without_call, "BAD_INV_ORDER NO"},
+        {55, cause::call_cancelled, "BAD_INV_ORDER MAYBE"},
     };
     unsigned expected = 1;
     for (const Row& row : rows) {

@@ -1,8 +1,9 @@
 // The whole receive path. Any frames, from anybody, at any time, and peers that send messages frame
-// by frame, interleaved with each other, between an owner's calls, answers, changes of its objects
-// and controller events: the engine stays within its limits, accounts for each frame, ends each
-// call once and by its deadline, and a call afterwards works. Where nobody but those peers has
-// sent, no request is executed that was not sent, none twice, and an answer is that of its call.
+// by frame, interleaved with each other, between an owner's calls, cancellations, answers, changes
+// of its objects and controller events: the engine stays within its limits, accounts for each
+// frame, ends each call once and by its deadline, and a call afterwards works. Where nobody but
+// those peers has sent, no request is executed that was not sent, none twice, and an answer is that
+// of its call.
 //
 // Input: records of an action (1 octet, from 0x80) and an octet for it; or of a frame: an octet
 // whose low half gives the length (modulo 9), two for the identifier, and the payload.
@@ -149,6 +150,7 @@ class Owner {
             case 11:
                 while (engine_.next_notice()) {
                 }
+                cancel(value);
                 break;
             case 12:
                 begin_request(peers_[value % peers_.size()], value);
@@ -237,6 +239,15 @@ class Owner {
         const auto made =
             engine_.call(target, operation, MutableBytes{message}.first(8 + value % 40U), deadline);
         if (made) calls_.push_back({*made, deadline, operation, std::nullopt});
+    }
+
+    /// One of the calls, or none.
+    void cancel(std::uint8_t value) {
+        if (value >= calls_.size()) return;
+        const auto call = calls_.begin() + value;
+        engine_.cancel(call->handle);
+        require(!engine_.deadline_of(call->handle).has_value());
+        calls_.erase(call);
     }
 
     void pass(Duration time) {

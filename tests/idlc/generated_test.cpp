@@ -6,7 +6,10 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <functional>
 #include <string>
+#include <tuple>
+#include <utility>
 #include <vector>
 
 #include "devices.hpp"
@@ -360,6 +363,81 @@ TEST_F(GeneratedStubTest, SendsToGroupsWhatGroupsCanGet) {
     EXPECT_EQ(motor_.ramp_, 77U);
     EXPECT_THROW(static_cast<void>(all.ramp()), canorb::BAD_OPERATION);
     EXPECT_THROW(all.start(), canorb::BAD_OPERATION);
+}
+
+/// Answers what the test wants, whatever the IDL says.
+class AnyAnswer final : public canorb::Servant {
+  public:
+    using Operation = std::function<void(canorb::ServerCall&)>;
+    explicit AnyAnswer(Operation operation) : operation_(std::move(operation)) {}
+    const canorb::InterfaceInfo& _interface_info() const override { return Plant::StoreInterface; }
+    void _dispatch(canorb::ServerCall& call) override { operation_(call); }
+
+  private:
+    Operation operation_;
+};
+
+TEST_F(GeneratedStubTest, AsynchronousCallsOfEveryKindOfOperation) {
+    const Devices::Motor motor = stub();
+    EXPECT_EQ(motor.sendp_get_model().get(), "M1");
+    EXPECT_EQ(motor.sendp_speed(5).get(), 2.5F);
+    motor.sendp_set_ramp(9).get();
+    EXPECT_EQ(motor.sendp_get_ramp().get(), 9U);
+    EXPECT_EQ(motor.sendp_sample(21).get(),
+              std::tuple(Devices::State::RUNNING, 42, Devices::Samples{1, 500}));
+    int called = 0;
+    motor.sendc_get_ramp([&](canorb::Future<std::uint32_t> ramp) { called += ramp.get() == 9; });
+    motor.sendc_sample([&](auto sampled) { called += std::get<1>(sampled.get()) == 2; }, 1);
+    simulation_.run_for(std::chrono::seconds{1});
+    EXPECT_EQ(called, 2);
+}
+
+// Bounds that the C++ type does not have hold for what a future decodes, and for what is sent.
+TEST_F(GeneratedStubTest, AsynchronousCallsKnowTheBounds) {
+    std::size_t length = 300;
+    AnyAnswer servant{[&](canorb::ServerCall& call) {
+        if (call.read()) call.reply(std::string(length, 'x'));
+    }};
+    server_.root_poa().activate_object_with_id(2, servant);
+    const auto store =
+        client_.string_to_object("corbaloc:caniop:3/2").unchecked_narrow<Plant::Store>();
+    EXPECT_EQ(store.sendp_get_label().get(), std::string(300, 'x'));
+    length = 301;
+    EXPECT_THROW(store.sendp_get_label().get(), canorb::MARSHAL);
+    EXPECT_THROW(static_cast<void>(store.sendp_set_label(std::string(301, 'x'))),
+                 canorb::BAD_PARAM);
+}
+
+TEST_F(GeneratedStubTest, AsynchronousCallsThrowWhatIsDeclared) {
+    AnyAnswer servant{[](canorb::ServerCall& call) { call.raise(Plant::Refused{"full"}); }};
+    server_.root_poa().activate_object_with_id(2, servant);
+    const auto store =
+        client_.string_to_object("corbaloc:caniop:3/2").unchecked_narrow<Plant::Store>();
+    EXPECT_THROW(store.sendp_get_label().get(), Plant::Refused);
+    EXPECT_THROW(store.sendp_set_label("x").get(), Plant::Refused);
+    EXPECT_THROW(store.sendp_get(1, canorb::BoundedString<20>{}).get(), canorb::UNKNOWN);
+}
+
+// `plain` and its neighbour `sendp_plain`, the attribute `level` and the operation `get_level`.
+TEST_F(GeneratedStubTest, AsynchronousCallsWithNamesThatAreTaken) {
+    std::vector<int> operations;
+    AnyAnswer servant{[&](canorb::ServerCall& call) {
+        operations.push_back(call.operation());
+        call.reply(std::int32_t{5});
+    }};
+    server_.root_poa().activate_object_with_id(2, servant);
+    const auto later =
+        client_.string_to_object("corbaloc:caniop:3/2").unchecked_narrow<Asynchronous::Later>();
+    EXPECT_THROW(later.sendp_ami_plain().get(), canorb::MARSHAL);       // 0, has no result
+    EXPECT_THROW(later.sendp_plain(), canorb::MARSHAL);                 // 1
+    EXPECT_THROW(later.sendp_sendp_plain().get(), canorb::MARSHAL);     // 1
+    EXPECT_THROW(later.sendp_ami_typed().get(), canorb::MARSHAL);       // 2
+    EXPECT_EQ(later.sendp_get_level().get(), 5);                        // 5
+    EXPECT_EQ(later.sendp_ami_get_level().get(), 5);                    // 7
+    EXPECT_THROW(later.sendp_set_level(1).get(), canorb::MARSHAL);      // 6
+    EXPECT_THROW(later.sendp_ami_set_level(1).get(), canorb::MARSHAL);  // 16
+    EXPECT_THROW(later.sendp_ami_ami_plain().get(), canorb::MARSHAL);   // 17
+    EXPECT_EQ(operations, (std::vector<int>{0, 1, 1, 2, 5, 7, 6, 16, 17}));
 }
 
 }  // namespace

@@ -68,7 +68,8 @@ struct OrbOptions {
     std::size_t max_message = 4096;
     /// Messages that may wait in the transmit queue; a call beyond gets NO_RESOURCES.
     std::size_t max_queued_messages = 64;
-    /// Two-way calls that may be outstanding.
+    /// Two-way calls that may be outstanding: not ended, ended and not fetched from their Future,
+    /// or cancelled and not yet answered.
     std::size_t max_outstanding_calls = 64;
     /// Frames in the controller at once: an urgent message waits for no more than these.
     std::size_t frames_in_controller = 2;

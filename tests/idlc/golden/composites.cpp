@@ -708,19 +708,6 @@ void decode(canorb::ccdr::Decoder& in, OutsideOfModules& value) {
     decode(in, value.n);
 }
 
-// Operations.
-
-namespace Parts {
-
-namespace Stock_operations {
-constexpr canorb::OperationInfo find{
-    .declared_in = &StockInterface, .id = 0, .name = "find"};
-constexpr canorb::OperationInfo following{
-    .declared_in = &StockInterface, .id = 1, .name = "following"};
-}  // namespace Stock_operations
-
-}  // namespace Parts
-
 // Stubs.
 
 namespace Parts {

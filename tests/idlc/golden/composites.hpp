@@ -1261,6 +1261,14 @@ class Stock : public virtual canorb::ObjectRef {
     // composites.idl:162, operation 0, raises Missing
     Found find(const Tree& like, Order by) const;
     Next following(Values& all) const;  // composites.idl:163, operation 1
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<Found> sendp_find(const Tree& like, Order by) const;
+    canorb::PendingCall sendc_find(
+        canorb::Future<Found>::Callback callback, const Tree& like, Order by) const;
+    canorb::Future<std::tuple<Next, Values>> sendp_following(const Values& all) const;
+    canorb::PendingCall sendc_following(
+        canorb::Future<std::tuple<Next, Values>>::Callback callback, const Values& all) const;
 };
 void encode(canorb::ccdr::Encoder& out, const Stock& value);
 void decode(canorb::ccdr::Decoder& in, Stock& value);
@@ -1651,6 +1659,44 @@ class StockServant : public virtual canorb::Servant {
     virtual Stock::Found find(const Tree& like, Stock::Order by) = 0;
     virtual Stock::Next following(Values& all) = 0;  // composites.idl:163
 };
+
+}  // namespace Parts
+
+// Operations.
+
+namespace Parts {
+
+namespace Stock_operations {
+inline constexpr canorb::OperationInfo find{
+    .declared_in = &StockInterface, .id = 0, .name = "find"};
+inline constexpr canorb::OperationInfo following{
+    .declared_in = &StockInterface, .id = 1, .name = "following"};
+}  // namespace Stock_operations
+
+}  // namespace Parts
+
+// Asynchronous calls.
+
+namespace Parts {
+
+inline canorb::Future<Stock::Found> Stock::sendp_find(const Tree& like, Order by) const {
+    return canorb::send_request<canorb::Returns<Found>, canorb::Raises<Missing>>(
+        *this, Stock_operations::find, like, by);
+}
+inline canorb::PendingCall Stock::sendc_find(
+    canorb::Future<Found>::Callback callback, const Tree& like, Order by) const {
+    return this->sendp_find(like, by).then(std::move(callback));
+}
+
+inline canorb::Future<std::tuple<Stock::Next, Values>> Stock::sendp_following(
+    const Values& all) const {
+    return canorb::send_request<canorb::Returns<Next, Values>>(
+        *this, Stock_operations::following, all);
+}
+inline canorb::PendingCall Stock::sendc_following(
+    canorb::Future<std::tuple<Next, Values>>::Callback callback, const Values& all) const {
+    return this->sendp_following(all).then(std::move(callback));
+}
 
 }  // namespace Parts
 

@@ -50,34 +50,6 @@ void decode(canorb::ccdr::Decoder& in, Motor& value) {
 
 }  // namespace Devices
 
-// Operations.
-
-namespace Devices {
-
-namespace Base_operations {
-constexpr canorb::OperationInfo _get_model{
-    .declared_in = &BaseInterface, .id = 0, .name = "_get_model"};
-}  // namespace Base_operations
-
-namespace Motor_operations {
-constexpr canorb::OperationInfo speed{
-    .declared_in = &MotorInterface, .id = 1, .name = "speed"};
-constexpr canorb::OperationInfo start{
-    .declared_in = &MotorInterface, .id = 2, .name = "start"};
-constexpr canorb::OperationInfo stop{
-    .declared_in = &MotorInterface, .id = 3, .name = "stop", .oneway = true, .groupable = true};
-constexpr canorb::OperationInfo _get_ramp{
-    .declared_in = &MotorInterface, .id = 4, .name = "_get_ramp"};
-constexpr canorb::OperationInfo _set_ramp{
-    .declared_in = &MotorInterface, .id = 5, .name = "_set_ramp", .groupable = true};
-constexpr canorb::OperationInfo sample{
-    .declared_in = &MotorInterface, .id = 6, .name = "sample"};
-constexpr canorb::OperationInfo follow{
-    .declared_in = &MotorInterface, .id = 7, .name = "follow", .groupable = true};
-}  // namespace Motor_operations
-
-}  // namespace Devices
-
 // Stubs.
 
 namespace Devices {

@@ -68,6 +68,10 @@ class Base : public virtual canorb::ObjectRef {
     Base with_sent(canorb::SentCallback callback) const;
 
     std::string model() const;  // devices.idl:9, operation 0
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<std::string> sendp_get_model() const;
+    canorb::PendingCall sendc_get_model(canorb::Future<std::string>::Callback callback) const;
 };
 void encode(canorb::ccdr::Encoder& out, const Base& value);
 void decode(canorb::ccdr::Decoder& in, Base& value);
@@ -104,6 +108,25 @@ class Motor : public virtual Base {
     void ramp(std::uint32_t value) const;  // devices.idl:18, operation 5
     State sample(std::int32_t& range, Samples& taken) const;  // devices.idl:19, operation 6
     void follow(const Motor& leader) const;  // devices.idl:20, operation 7
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<float> sendp_speed(std::uint16_t channel) const;
+    canorb::PendingCall sendc_speed(
+        canorb::Future<float>::Callback callback, std::uint16_t channel) const;
+    canorb::Future<void> sendp_start() const;
+    canorb::PendingCall sendc_start(canorb::Future<void>::Callback callback) const;
+    canorb::Future<std::uint32_t> sendp_get_ramp() const;
+    canorb::PendingCall sendc_get_ramp(canorb::Future<std::uint32_t>::Callback callback) const;
+    canorb::Future<void> sendp_set_ramp(std::uint32_t value) const;
+    canorb::PendingCall sendc_set_ramp(
+        canorb::Future<void>::Callback callback, std::uint32_t value) const;
+    canorb::Future<std::tuple<State, std::int32_t, Samples>> sendp_sample(
+        std::int32_t range) const;
+    canorb::PendingCall sendc_sample(
+        canorb::Future<std::tuple<State, std::int32_t, Samples>>::Callback callback, std::int32_t range) const;
+    canorb::Future<void> sendp_follow(const Motor& leader) const;
+    canorb::PendingCall sendc_follow(
+        canorb::Future<void>::Callback callback, const Motor& leader) const;
 };
 void encode(canorb::ccdr::Encoder& out, const Motor& value);
 void decode(canorb::ccdr::Decoder& in, Motor& value);
@@ -142,6 +165,98 @@ class MotorServant : public virtual BaseServant {
     virtual State sample(std::int32_t& range, Samples& taken) = 0;  // devices.idl:19
     virtual void follow(const Motor& leader) = 0;  // devices.idl:20
 };
+
+}  // namespace Devices
+
+// Operations.
+
+namespace Devices {
+
+namespace Base_operations {
+inline constexpr canorb::OperationInfo _get_model{
+    .declared_in = &BaseInterface, .id = 0, .name = "_get_model"};
+}  // namespace Base_operations
+
+namespace Motor_operations {
+inline constexpr canorb::OperationInfo speed{
+    .declared_in = &MotorInterface, .id = 1, .name = "speed"};
+inline constexpr canorb::OperationInfo start{
+    .declared_in = &MotorInterface, .id = 2, .name = "start"};
+inline constexpr canorb::OperationInfo stop{
+    .declared_in = &MotorInterface, .id = 3, .name = "stop", .oneway = true, .groupable = true};
+inline constexpr canorb::OperationInfo _get_ramp{
+    .declared_in = &MotorInterface, .id = 4, .name = "_get_ramp"};
+inline constexpr canorb::OperationInfo _set_ramp{
+    .declared_in = &MotorInterface, .id = 5, .name = "_set_ramp", .groupable = true};
+inline constexpr canorb::OperationInfo sample{
+    .declared_in = &MotorInterface, .id = 6, .name = "sample"};
+inline constexpr canorb::OperationInfo follow{
+    .declared_in = &MotorInterface, .id = 7, .name = "follow", .groupable = true};
+}  // namespace Motor_operations
+
+}  // namespace Devices
+
+// Asynchronous calls.
+
+namespace Devices {
+
+inline canorb::Future<std::string> Base::sendp_get_model() const {
+    return canorb::send_request<canorb::Returns<std::string>>(*this, Base_operations::_get_model);
+}
+inline canorb::PendingCall Base::sendc_get_model(
+    canorb::Future<std::string>::Callback callback) const {
+    return this->sendp_get_model().then(std::move(callback));
+}
+
+inline canorb::Future<float> Motor::sendp_speed(std::uint16_t channel) const {
+    return canorb::send_request<canorb::Returns<float>>(*this, Motor_operations::speed, channel);
+}
+inline canorb::PendingCall Motor::sendc_speed(
+    canorb::Future<float>::Callback callback, std::uint16_t channel) const {
+    return this->sendp_speed(channel).then(std::move(callback));
+}
+
+inline canorb::Future<void> Motor::sendp_start() const {
+    return canorb::send_request<canorb::Returns<>, canorb::Raises<MotorStartException>>(
+        *this, Motor_operations::start);
+}
+inline canorb::PendingCall Motor::sendc_start(canorb::Future<void>::Callback callback) const {
+    return this->sendp_start().then(std::move(callback));
+}
+
+inline canorb::Future<std::uint32_t> Motor::sendp_get_ramp() const {
+    return canorb::send_request<canorb::Returns<std::uint32_t>>(*this, Motor_operations::_get_ramp);
+}
+inline canorb::PendingCall Motor::sendc_get_ramp(
+    canorb::Future<std::uint32_t>::Callback callback) const {
+    return this->sendp_get_ramp().then(std::move(callback));
+}
+
+inline canorb::Future<void> Motor::sendp_set_ramp(std::uint32_t value) const {
+    return canorb::send_request<canorb::Returns<>>(*this, Motor_operations::_set_ramp, value);
+}
+inline canorb::PendingCall Motor::sendc_set_ramp(
+    canorb::Future<void>::Callback callback, std::uint32_t value) const {
+    return this->sendp_set_ramp(value).then(std::move(callback));
+}
+
+inline canorb::Future<std::tuple<State, std::int32_t, Samples>> Motor::sendp_sample(
+    std::int32_t range) const {
+    return canorb::send_request<canorb::Returns<State, std::int32_t, Samples>>(
+        *this, Motor_operations::sample, range);
+}
+inline canorb::PendingCall Motor::sendc_sample(
+    canorb::Future<std::tuple<State, std::int32_t, Samples>>::Callback callback, std::int32_t range) const {
+    return this->sendp_sample(range).then(std::move(callback));
+}
+
+inline canorb::Future<void> Motor::sendp_follow(const Motor& leader) const {
+    return canorb::send_request<canorb::Returns<>>(*this, Motor_operations::follow, leader);
+}
+inline canorb::PendingCall Motor::sendc_follow(
+    canorb::Future<void>::Callback callback, const Motor& leader) const {
+    return this->sendp_follow(leader).then(std::move(callback));
+}
 
 }  // namespace Devices
 

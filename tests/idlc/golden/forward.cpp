@@ -58,21 +58,6 @@ void decode(canorb::ccdr::Decoder& in, Chart& value) {
 
 }  // namespace Net
 
-// Operations.
-
-namespace Net {
-
-namespace Node_operations {
-constexpr canorb::OperationInfo around{
-    .declared_in = &NodeInterface, .id = 0, .name = "around"};
-constexpr canorb::OperationInfo way{
-    .declared_in = &NodeInterface, .id = 1, .name = "way"};
-constexpr canorb::OperationInfo _get_nearest{
-    .declared_in = &NodeInterface, .id = 2, .name = "_get_nearest"};
-}  // namespace Node_operations
-
-}  // namespace Net
-
 // Stubs.
 
 namespace Net {

@@ -41,6 +41,15 @@ class Node : public virtual canorb::ObjectRef {
     Neighbours around() const;  // forward.idl:20, operation 0
     Route way(const Node& destination) const;  // forward.idl:21, operation 1, raises Elsewhere
     Neighbour nearest() const;  // forward.idl:22, operation 2
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<Neighbours> sendp_around() const;
+    canorb::PendingCall sendc_around(canorb::Future<Neighbours>::Callback callback) const;
+    canorb::Future<Route> sendp_way(const Node& destination) const;
+    canorb::PendingCall sendc_way(
+        canorb::Future<Route>::Callback callback, const Node& destination) const;
+    canorb::Future<Neighbour> sendp_get_nearest() const;
+    canorb::PendingCall sendc_get_nearest(canorb::Future<Neighbour>::Callback callback) const;
 };
 void encode(canorb::ccdr::Encoder& out, const Node& value);
 void decode(canorb::ccdr::Decoder& in, Node& value);
@@ -143,6 +152,52 @@ class NodeServant : public virtual canorb::Servant {
     virtual Route way(const Node& destination) = 0;  // forward.idl:21, raises Elsewhere
     virtual Neighbour nearest() = 0;  // forward.idl:22
 };
+
+}  // namespace Net
+
+// Operations.
+
+namespace Net {
+
+namespace Node_operations {
+inline constexpr canorb::OperationInfo around{
+    .declared_in = &NodeInterface, .id = 0, .name = "around"};
+inline constexpr canorb::OperationInfo way{
+    .declared_in = &NodeInterface, .id = 1, .name = "way"};
+inline constexpr canorb::OperationInfo _get_nearest{
+    .declared_in = &NodeInterface, .id = 2, .name = "_get_nearest"};
+}  // namespace Node_operations
+
+}  // namespace Net
+
+// Asynchronous calls.
+
+namespace Net {
+
+inline canorb::Future<Neighbours> Node::sendp_around() const {
+    return canorb::send_request<canorb::Returns<Neighbours>>(*this, Node_operations::around);
+}
+inline canorb::PendingCall Node::sendc_around(
+    canorb::Future<Neighbours>::Callback callback) const {
+    return this->sendp_around().then(std::move(callback));
+}
+
+inline canorb::Future<Route> Node::sendp_way(const Node& destination) const {
+    return canorb::send_request<canorb::Returns<Route>, canorb::Raises<Elsewhere>>(
+        *this, Node_operations::way, destination);
+}
+inline canorb::PendingCall Node::sendc_way(
+    canorb::Future<Route>::Callback callback, const Node& destination) const {
+    return this->sendp_way(destination).then(std::move(callback));
+}
+
+inline canorb::Future<Neighbour> Node::sendp_get_nearest() const {
+    return canorb::send_request<canorb::Returns<Neighbour>>(*this, Node_operations::_get_nearest);
+}
+inline canorb::PendingCall Node::sendc_get_nearest(
+    canorb::Future<Neighbour>::Callback callback) const {
+    return this->sendp_get_nearest().then(std::move(callback));
+}
 
 }  // namespace Net
 

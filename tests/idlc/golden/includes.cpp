@@ -34,17 +34,6 @@ void decode(canorb::ccdr::Decoder& in, Pump& value) {
 
 }  // namespace Devices
 
-// Operations.
-
-namespace Devices {
-
-namespace Pump_operations {
-constexpr canorb::OperationInfo paint{
-    .declared_in = &PumpInterface, .id = 8, .name = "paint"};
-}  // namespace Pump_operations
-
-}  // namespace Devices
-
 // Stubs.
 
 namespace Devices {

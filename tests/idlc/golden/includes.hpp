@@ -62,6 +62,11 @@ class Pump : public virtual Motor {
 
     // includes.idl:17, operation 8, raises Types::Failed
     void paint(Types::Colour fresh, const Station& where) const;
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<void> sendp_paint(Types::Colour fresh, const Station& where) const;
+    canorb::PendingCall sendc_paint(
+        canorb::Future<void>::Callback callback, Types::Colour fresh, const Station& where) const;
 };
 void encode(canorb::ccdr::Encoder& out, const Pump& value);
 void decode(canorb::ccdr::Decoder& in, Pump& value);
@@ -84,6 +89,32 @@ class PumpServant : public virtual MotorServant {
     // includes.idl:17, raises Types::Failed
     virtual void paint(Types::Colour fresh, const Station& where) = 0;
 };
+
+}  // namespace Devices
+
+// Operations.
+
+namespace Devices {
+
+namespace Pump_operations {
+inline constexpr canorb::OperationInfo paint{
+    .declared_in = &PumpInterface, .id = 8, .name = "paint"};
+}  // namespace Pump_operations
+
+}  // namespace Devices
+
+// Asynchronous calls.
+
+namespace Devices {
+
+inline canorb::Future<void> Pump::sendp_paint(Types::Colour fresh, const Station& where) const {
+    return canorb::send_request<canorb::Returns<>, canorb::Raises<Types::Failed>>(
+        *this, Pump_operations::paint, fresh, where);
+}
+inline canorb::PendingCall Pump::sendc_paint(
+    canorb::Future<void>::Callback callback, Types::Colour fresh, const Station& where) const {
+    return this->sendp_paint(fresh, where).then(std::move(callback));
+}
 
 }  // namespace Devices
 

@@ -196,6 +196,38 @@ void decode(canorb::ccdr::Decoder& in, User& value) {
 
 }  // namespace Bases
 
+namespace Asynchronous {
+
+void encode(canorb::ccdr::Encoder& out, const Sender& value) {
+    encode(out, static_cast<const canorb::ObjectRef&>(value));
+}
+
+void decode(canorb::ccdr::Decoder& in, Sender& value) {
+    canorb::ObjectRef reference;
+    decode(in, reference);
+    value = Sender{reference};
+}
+
+void encode(canorb::ccdr::Encoder& out, const Sender::sendc_typed& value) {
+    encode(out, value.it);
+}
+
+void decode(canorb::ccdr::Decoder& in, Sender::sendc_typed& value) {
+    decode(in, value.it);
+}
+
+void encode(canorb::ccdr::Encoder& out, const Later& value) {
+    encode(out, static_cast<const canorb::ObjectRef&>(value));
+}
+
+void decode(canorb::ccdr::Decoder& in, Later& value) {
+    canorb::ObjectRef reference;
+    decode(in, reference);
+    value = Later{reference};
+}
+
+}  // namespace Asynchronous
+
 void encode(canorb::ccdr::Encoder& out, const AtFileScope& value) {
     encode(out, static_cast<const canorb::ObjectRef&>(value));
 }
@@ -205,103 +237,6 @@ void decode(canorb::ccdr::Decoder& in, AtFileScope& value) {
     decode(in, reference);
     value = AtFileScope{reference};
 }
-
-// Operations.
-
-namespace Plant {
-
-namespace Device_operations {
-constexpr canorb::OperationInfo _get_current{
-    .declared_in = &DeviceInterface, .id = 0, .name = "_get_current"};
-constexpr canorb::OperationInfo _get_description{
-    .declared_in = &DeviceInterface, .id = 1, .name = "_get_description"};
-constexpr canorb::OperationInfo power{
-    .declared_in = &DeviceInterface, .id = 2, .name = "power"};
-}  // namespace Device_operations
-
-namespace Listener_operations {
-constexpr canorb::OperationInfo changed{
-    .declared_in = &ListenerInterface, .id = 16, .name = "changed", .oneway = true, .groupable = true};
-constexpr canorb::OperationInfo text{
-    .declared_in = &ListenerInterface, .id = 17, .name = "text", .groupable = true};
-}  // namespace Listener_operations
-
-namespace Store_operations {
-constexpr canorb::OperationInfo _get_label{
-    .declared_in = &StoreInterface, .id = 32, .name = "_get_label"};
-constexpr canorb::OperationInfo _set_label{
-    .declared_in = &StoreInterface, .id = 33, .name = "_set_label"};
-constexpr canorb::OperationInfo get{
-    .declared_in = &StoreInterface, .id = 34, .name = "get"};
-constexpr canorb::OperationInfo lookup{
-    .declared_in = &StoreInterface, .id = 35, .name = "lookup"};
-constexpr canorb::OperationInfo fill{
-    .declared_in = &StoreInterface, .id = 36, .name = "fill"};
-}  // namespace Store_operations
-
-namespace Pump_operations {
-constexpr canorb::OperationInfo cycle{
-    .declared_in = &PumpInterface, .id = 18, .name = "cycle"};
-}  // namespace Pump_operations
-
-namespace LoggingPump_operations {
-constexpr canorb::OperationInfo self{
-    .declared_in = &LoggingPumpInterface, .id = 37, .name = "self"};
-}  // namespace LoggingPump_operations
-
-namespace Derived_operations {
-constexpr canorb::OperationInfo work{
-    .declared_in = &DerivedInterface, .id = 0, .name = "work", .groupable = true};
-}  // namespace Derived_operations
-
-}  // namespace Plant
-
-namespace Names {
-
-namespace _cxx_operator_operations {
-constexpr canorb::OperationInfo _cxx_new{
-    .declared_in = &_cxx_operatorInterface, .id = 0, .name = "new"};
-constexpr canorb::OperationInfo level{
-    .declared_in = &_cxx_operatorInterface, .id = 1, .name = "level", .groupable = true};
-constexpr canorb::OperationInfo call{
-    .declared_in = &_cxx_operatorInterface, .id = 2, .name = "call", .groupable = true};
-constexpr canorb::OperationInfo result{
-    .declared_in = &_cxx_operatorInterface, .id = 3, .name = "result"};
-constexpr canorb::OperationInfo interface{
-    .declared_in = &_cxx_operatorInterface, .id = 4, .name = "interface", .groupable = true};
-constexpr canorb::OperationInfo _get_double_{
-    .declared_in = &_cxx_operatorInterface, .id = 5, .name = "_get_double_"};
-constexpr canorb::OperationInfo _set_double_{
-    .declared_in = &_cxx_operatorInterface, .id = 6, .name = "_set_double_", .groupable = true};
-constexpr canorb::OperationInfo with_sent{
-    .declared_in = &_cxx_operatorInterface, .id = 7, .name = "with_sent", .groupable = true};
-}  // namespace _cxx_operator_operations
-
-}  // namespace Names
-
-namespace Bases {
-
-namespace Servant_operations {
-constexpr canorb::OperationInfo work{
-    .declared_in = &ServantInterface, .id = 0, .name = "work", .groupable = true};
-}  // namespace Servant_operations
-
-namespace ObjectRef_operations {
-constexpr canorb::OperationInfo refer{
-    .declared_in = &ObjectRefInterface, .id = 0, .name = "refer", .groupable = true};
-}  // namespace ObjectRef_operations
-
-namespace User_operations {
-constexpr canorb::OperationInfo swap{
-    .declared_in = &UserInterface, .id = 0, .name = "swap"};
-}  // namespace User_operations
-
-}  // namespace Bases
-
-namespace AtFileScope_operations {
-constexpr canorb::OperationInfo hello{
-    .declared_in = &AtFileScopeInterface, .id = 0, .name = "hello", .groupable = true};
-}  // namespace AtFileScope_operations
 
 // Stubs.
 
@@ -604,6 +539,118 @@ Servant User::swap(const Bases::ObjectRef& given, Servant& taken) const {
 }
 
 }  // namespace Bases
+
+namespace Asynchronous {
+
+Sender Sender::with_timeout(canorb::Duration timeout) const {
+    return Sender{canorb::ObjectRef::with_timeout(timeout)};
+}
+
+Sender Sender::with_sent(canorb::SentCallback callback) const {
+    return Sender{canorb::ObjectRef::with_sent(std::move(callback))};
+}
+
+void Sender::plain() const {
+    canorb::ClientCall call{*this, Sender_operations::plain};
+    call.write();
+    call.invoke();
+    call.read();
+}
+
+void Sender::sendp_plain() const {
+    canorb::ClientCall call{*this, Sender_operations::sendp_plain};
+    call.write();
+    call.invoke();
+    call.read();
+}
+
+void Sender::typed() const {
+    canorb::ClientCall call{*this, Sender_operations::typed};
+    call.write();
+    call.invoke();
+    call.read();
+}
+
+std::int32_t Sender::given(const Asynchronous::sendp_given& callback, Asynchronous::callback next, Asynchronous::sendp_given& last) const {
+    canorb::ClientCall call{*this, Sender_operations::given};
+    call.write(callback, next);
+    call.invoke();
+    std::int32_t result{};
+    call.read(result, last);
+    return result;
+}
+
+void Sender::told(callback value) const {
+    canorb::ClientCall call{*this, Sender_operations::told};
+    call.write(value);
+    call.invoke();
+    call.read();
+}
+
+std::int32_t Sender::level() const {
+    canorb::ClientCall call{*this, Sender_operations::_get_level};
+    call.write();
+    call.invoke();
+    std::int32_t result{};
+    call.read(result);
+    return result;
+}
+
+void Sender::level(std::int32_t value) const {
+    canorb::ClientCall call{*this, Sender_operations::_set_level};
+    call.write(value);
+    call.invoke();
+    call.read();
+}
+
+std::int32_t Sender::get_level() const {
+    canorb::ClientCall call{*this, Sender_operations::get_level};
+    call.write();
+    call.invoke();
+    std::int32_t result{};
+    call.read(result);
+    return result;
+}
+
+void Sender::sent() const {
+    canorb::ClientCall call{*this, Sender_operations::sent};
+    call.write();
+    call.invoke();
+    call.read();
+}
+
+Later Later::with_timeout(canorb::Duration timeout) const {
+    return Later{canorb::ObjectRef::with_timeout(timeout)};
+}
+
+Later Later::with_sent(canorb::SentCallback callback) const {
+    return Later{canorb::ObjectRef::with_sent(std::move(callback))};
+}
+
+void Later::set_level(std::int32_t sendp_ami_set_level) const {
+    canorb::ClientCall call{*this, Later_operations::set_level};
+    call.write(sendp_ami_set_level);
+    call.invoke();
+    call.read();
+}
+
+void Later::ami_plain() const {
+    canorb::ClientCall call{*this, Later_operations::ami_plain};
+    call.write();
+    call.invoke();
+    call.read();
+}
+
+Sender::sendc_typed Later::again() const {
+    canorb::ClientCall call{*this, Later_operations::again};
+    call.write();
+    call.invoke();
+    sendc_typed result;
+    call.read(result);
+    return result;
+}
+
+}  // namespace Asynchronous
 
 AtFileScope AtFileScope::with_timeout(canorb::Duration timeout) const {
     return AtFileScope{canorb::ObjectRef::with_timeout(timeout)};
@@ -920,6 +967,102 @@ void UserServant::_dispatch(canorb::ServerCall& call) {
 }
 
 }  // namespace Bases
+
+namespace Asynchronous {
+
+void SenderServant::_dispatch(canorb::ServerCall& call) {
+    switch (call.operation()) {
+        case Sender_operations::plain.id: {
+            if (!call.read()) return;
+            plain();
+            call.reply();
+            return;
+        }
+        case Sender_operations::sendp_plain.id: {
+            if (!call.read()) return;
+            sendp_plain();
+            call.reply();
+            return;
+        }
+        case Sender_operations::typed.id: {
+            if (!call.read()) return;
+            typed();
+            call.reply();
+            return;
+        }
+        case Sender_operations::given.id: {
+            Asynchronous::sendp_given callback;
+            Asynchronous::callback next{};
+            Asynchronous::sendp_given last;
+            if (!call.read(callback, next)) return;
+            const std::int32_t result = given(callback, next, last);
+            call.reply(result, last);
+            return;
+        }
+        case Sender_operations::told.id: {
+            callback value{};
+            if (!call.read(value)) return;
+            told(value);
+            call.reply();
+            return;
+        }
+        case Sender_operations::_get_level.id: {
+            if (!call.read()) return;
+            const std::int32_t result = level();
+            call.reply(result);
+            return;
+        }
+        case Sender_operations::_set_level.id: {
+            std::int32_t value{};
+            if (!call.read(value)) return;
+            level(value);
+            call.reply();
+            return;
+        }
+        case Sender_operations::get_level.id: {
+            if (!call.read()) return;
+            const std::int32_t result = get_level();
+            call.reply(result);
+            return;
+        }
+        case Sender_operations::sent.id: {
+            call.oneway();
+            if (!call.read()) return;
+            sent();
+            return;
+        }
+        default:
+            return;
+    }
+}
+
+void LaterServant::_dispatch(canorb::ServerCall& call) {
+    switch (call.operation()) {
+        case Later_operations::set_level.id: {
+            std::int32_t sendp_ami_set_level{};
+            if (!call.read(sendp_ami_set_level)) return;
+            set_level(sendp_ami_set_level);
+            call.reply();
+            return;
+        }
+        case Later_operations::ami_plain.id: {
+            if (!call.read()) return;
+            ami_plain();
+            call.reply();
+            return;
+        }
+        case Later_operations::again.id: {
+            if (!call.read()) return;
+            const Sender::sendc_typed result = again();
+            call.reply(result);
+            return;
+        }
+        default:
+            SenderServant::_dispatch(call);
+    }
+}
+
+}  // namespace Asynchronous
 
 void AtFileScopeServant::_dispatch(canorb::ServerCall& call) {
     switch (call.operation()) {

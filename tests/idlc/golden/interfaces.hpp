@@ -85,6 +85,14 @@ class Device : public virtual canorb::ObjectRef {
     State current() const;  // interfaces.idl:19, operation 0
     Info description() const;  // interfaces.idl:20, operation 1, raises Broken
     void power(State wanted) const;  // interfaces.idl:21, operation 2, raises Broken, Refused
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<State> sendp_get_current() const;
+    canorb::PendingCall sendc_get_current(canorb::Future<State>::Callback callback) const;
+    canorb::Future<Info> sendp_get_description() const;
+    canorb::PendingCall sendc_get_description(canorb::Future<Info>::Callback callback) const;
+    canorb::Future<void> sendp_power(State wanted) const;
+    canorb::PendingCall sendc_power(canorb::Future<void>::Callback callback, State wanted) const;
 };
 void encode(canorb::ccdr::Encoder& out, const Device& value);
 void decode(canorb::ccdr::Decoder& in, Device& value);
@@ -148,6 +156,12 @@ class Listener : public virtual canorb::ObjectRef {
     void changed(const Device& which, Device::State now) const;  // interfaces.idl:27, operation 16
     // interfaces.idl:28, operation 17
     void text(const std::string& message, const std::string& details) const;
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<void> sendp_ami_ami_text(
+        const std::string& message, const std::string& details) const;
+    canorb::PendingCall sendc_ami_ami_text(
+        canorb::Future<void>::Callback callback, const std::string& message, const std::string& details) const;
 };
 void encode(canorb::ccdr::Encoder& out, const Listener& value);
 void decode(canorb::ccdr::Decoder& in, Listener& value);
@@ -182,6 +196,24 @@ class Store : public virtual canorb::ObjectRef {
     // interfaces.idl:37, operation 35
     canorb::ObjectRef lookup(const std::string& name, canorb::ObjectRef& hint) const;
     std::int32_t fill(const Listeners& who) const;  // interfaces.idl:38, operation 36
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<std::string> sendp_get_label() const;
+    canorb::PendingCall sendc_get_label(canorb::Future<std::string>::Callback callback) const;
+    canorb::Future<void> sendp_set_label(const std::string& value) const;
+    canorb::PendingCall sendc_set_label(
+        canorb::Future<void>::Callback callback, const std::string& value) const;
+    canorb::Future<std::tuple<std::string, Texts, canorb::BoundedString<20>>> sendp_get(
+        std::int32_t key, const canorb::BoundedString<20>& hint) const;
+    canorb::PendingCall sendc_get(
+        canorb::Future<std::tuple<std::string, Texts, canorb::BoundedString<20>>>::Callback callback, std::int32_t key, const canorb::BoundedString<20>& hint) const;
+    canorb::Future<std::tuple<canorb::ObjectRef, canorb::ObjectRef>> sendp_lookup(
+        const std::string& name, const canorb::ObjectRef& hint) const;
+    canorb::PendingCall sendc_lookup(
+        canorb::Future<std::tuple<canorb::ObjectRef, canorb::ObjectRef>>::Callback callback, const std::string& name, const canorb::ObjectRef& hint) const;
+    canorb::Future<std::int32_t> sendp_fill(const Listeners& who) const;
+    canorb::PendingCall sendc_fill(
+        canorb::Future<std::int32_t>::Callback callback, const Listeners& who) const;
 };
 void encode(canorb::ccdr::Encoder& out, const Store& value);
 void decode(canorb::ccdr::Decoder& in, Store& value);
@@ -211,6 +243,11 @@ class Pump : public virtual Device, public virtual Listener {
     Pump with_sent(canorb::SentCallback callback) const;
 
     State cycle(State from, Info& about) const;  // interfaces.idl:42, operation 18
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<std::tuple<State, Info>> sendp_cycle(State from, const Info& about) const;
+    canorb::PendingCall sendc_cycle(
+        canorb::Future<std::tuple<State, Info>>::Callback callback, State from, const Info& about) const;
 };
 void encode(canorb::ccdr::Encoder& out, const Pump& value);
 void decode(canorb::ccdr::Decoder& in, Pump& value);
@@ -240,6 +277,10 @@ class LoggingPump : public virtual Pump, public virtual Store {
     LoggingPump with_sent(canorb::SentCallback callback) const;
 
     Pump self() const;  // interfaces.idl:46, operation 37
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<Pump> sendp_self() const;
+    canorb::PendingCall sendc_self(canorb::Future<Pump>::Callback callback) const;
 };
 void encode(canorb::ccdr::Encoder& out, const LoggingPump& value);
 void decode(canorb::ccdr::Decoder& in, LoggingPump& value);
@@ -319,6 +360,10 @@ class Derived : public virtual Nothing {
     Derived with_sent(canorb::SentCallback callback) const;
 
     void work() const;  // interfaces.idl:51, operation 0
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<void> sendp_work() const;
+    canorb::PendingCall sendc_work(canorb::Future<void>::Callback callback) const;
 };
 void encode(canorb::ccdr::Encoder& out, const Derived& value);
 void decode(canorb::ccdr::Decoder& in, Derived& value);
@@ -390,6 +435,31 @@ class _cxx_operator : public virtual canorb::ObjectRef {
     std::int32_t double_() const;  // interfaces.idl:67, operation 5
     void double_(std::int32_t value) const;  // interfaces.idl:67, operation 6
     void with_sent(std::int32_t callback) const;  // interfaces.idl:68, operation 7
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<std::tuple<_cxx_class, std::int32_t>> sendp_new(
+        std::int32_t call, std::int32_t result, std::int32_t exception) const;
+    canorb::PendingCall sendc_new(
+        canorb::Future<std::tuple<_cxx_class, std::int32_t>>::Callback callback, std::int32_t call, std::int32_t result, std::int32_t exception) const;
+    canorb::Future<void> sendp_level(std::uint16_t level) const;
+    canorb::PendingCall sendc_level(
+        canorb::Future<void>::Callback callback, std::uint16_t level) const;
+    canorb::Future<void> sendp_call(std::int32_t value) const;
+    canorb::PendingCall sendc_call(
+        canorb::Future<void>::Callback callback, std::int32_t value) const;
+    canorb::Future<std::int32_t> sendp_result() const;
+    canorb::PendingCall sendc_result(canorb::Future<std::int32_t>::Callback callback) const;
+    canorb::Future<void> sendp_interface(std::int32_t module) const;
+    canorb::PendingCall sendc_interface(
+        canorb::Future<void>::Callback callback, std::int32_t module) const;
+    canorb::Future<std::int32_t> sendp_get_double_() const;
+    canorb::PendingCall sendc_get_double_(canorb::Future<std::int32_t>::Callback callback) const;
+    canorb::Future<void> sendp_set_double_(std::int32_t value) const;
+    canorb::PendingCall sendc_set_double_(
+        canorb::Future<void>::Callback callback, std::int32_t value) const;
+    canorb::Future<void> sendp_with_sent(std::int32_t callback) const;
+    canorb::PendingCall sendc_with_sent(
+        canorb::Future<void>::Callback _callback, std::int32_t callback) const;
 };
 void encode(canorb::ccdr::Encoder& out, const _cxx_operator& value);
 void decode(canorb::ccdr::Decoder& in, _cxx_operator& value);
@@ -422,6 +492,10 @@ class Servant : public virtual canorb::ObjectRef {
     Servant with_sent(canorb::SentCallback callback) const;
 
     void work() const;  // interfaces.idl:74, operation 0
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<void> sendp_work() const;
+    canorb::PendingCall sendc_work(canorb::Future<void>::Callback callback) const;
 };
 void encode(canorb::ccdr::Encoder& out, const Servant& value);
 void decode(canorb::ccdr::Decoder& in, Servant& value);
@@ -449,6 +523,10 @@ class ObjectRef : public virtual canorb::ObjectRef {
     ObjectRef with_sent(canorb::SentCallback callback) const;
 
     void refer() const;  // interfaces.idl:75, operation 0
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<void> sendp_refer() const;
+    canorb::PendingCall sendc_refer(canorb::Future<void>::Callback callback) const;
 };
 void encode(canorb::ccdr::Encoder& out, const ObjectRef& value);
 void decode(canorb::ccdr::Decoder& in, ObjectRef& value);
@@ -476,6 +554,12 @@ class User : public virtual canorb::ObjectRef {
 
     // interfaces.idl:77, operation 0
     Servant swap(const Bases::ObjectRef& given, Servant& taken) const;
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<std::tuple<Servant, Servant>> sendp_swap(
+        const Bases::ObjectRef& given, const Servant& taken) const;
+    canorb::PendingCall sendc_swap(
+        canorb::Future<std::tuple<Servant, Servant>>::Callback callback, const Bases::ObjectRef& given, const Servant& taken) const;
 };
 void encode(canorb::ccdr::Encoder& out, const User& value);
 void decode(canorb::ccdr::Decoder& in, User& value);
@@ -485,11 +569,132 @@ constexpr std::string_view type_code_of(const User*) {
 
 }  // namespace Bases
 
+namespace Asynchronous {
+
+using callback = std::int32_t;  // interfaces.idl:83
+using sendp_given = canorb::BoundedVector<std::uint8_t, 4>;  // interfaces.idl:84
+
+/// What stubs and skeletons share about IDL:Asynchronous/Sender:1.0.
+inline constexpr canorb::InterfaceInfo SenderInterface{
+    "IDL:Asynchronous/Sender:1.0", {}, 0x6B8B32B4};
+
+// interfaces.idl:85
+class Sender : public virtual canorb::ObjectRef {
+  public:
+    static constexpr const canorb::InterfaceInfo& _interface = SenderInterface;
+
+    // interfaces.idl:86
+    struct sendc_typed {
+        std::int32_t it{};
+
+        friend bool operator==(const sendc_typed&, const sendc_typed&) = default;
+    };
+
+    Sender() = default;  // nil
+    explicit Sender(const canorb::ObjectRef& reference) : canorb::ObjectRef(reference) {}
+    Sender(const Sender&) = default;
+    Sender& operator=(const Sender&) = default;
+
+    /// A copy whose calls end after `timeout`.
+    Sender with_timeout(canorb::Duration timeout) const;
+    /// A copy that calls `callback` when a call through it is on the bus.
+    Sender with_sent(canorb::SentCallback callback) const;
+
+    void plain() const;  // interfaces.idl:87, operation 0
+    void sendp_plain() const;  // interfaces.idl:88, operation 1
+    void typed() const;  // interfaces.idl:89, operation 2
+    // interfaces.idl:90, operation 3
+    std::int32_t given(const Asynchronous::sendp_given& callback, Asynchronous::callback next, Asynchronous::sendp_given& last) const;
+    void told(callback value) const;  // interfaces.idl:91, operation 4
+    std::int32_t level() const;  // interfaces.idl:92, operation 5
+    void level(std::int32_t value) const;  // interfaces.idl:92, operation 6
+    std::int32_t get_level() const;  // interfaces.idl:93, operation 7
+    void sent() const;  // interfaces.idl:94, operation 8
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<void> sendp_ami_plain() const;
+    canorb::PendingCall sendc_ami_plain(canorb::Future<void>::Callback callback) const;
+    canorb::Future<void> sendp_sendp_plain() const;
+    canorb::PendingCall sendc_sendp_plain(canorb::Future<void>::Callback callback) const;
+    canorb::Future<void> sendp_ami_typed() const;
+    canorb::PendingCall sendc_ami_typed(canorb::Future<void>::Callback callback) const;
+    canorb::Future<std::tuple<std::int32_t, Asynchronous::sendp_given>> sendp_given(
+        const Asynchronous::sendp_given& callback, Asynchronous::callback next) const;
+    canorb::PendingCall sendc_given(
+        canorb::Future<std::tuple<std::int32_t, Asynchronous::sendp_given>>::Callback _callback, const Asynchronous::sendp_given& callback, Asynchronous::callback next) const;
+    canorb::Future<void> sendp_told(callback value) const;
+    canorb::PendingCall sendc_told(
+        canorb::Future<void>::Callback callback, Asynchronous::callback value) const;
+    canorb::Future<std::int32_t> sendp_get_level() const;
+    canorb::PendingCall sendc_get_level(canorb::Future<std::int32_t>::Callback callback) const;
+    canorb::Future<void> sendp_set_level(std::int32_t value) const;
+    canorb::PendingCall sendc_set_level(
+        canorb::Future<void>::Callback callback, std::int32_t value) const;
+    canorb::Future<std::int32_t> sendp_ami_get_level() const;
+    canorb::PendingCall sendc_ami_get_level(canorb::Future<std::int32_t>::Callback callback) const;
+};
+void encode(canorb::ccdr::Encoder& out, const Sender& value);
+void decode(canorb::ccdr::Decoder& in, Sender& value);
+constexpr std::string_view type_code_of(const Sender*) {
+    return {"\016\034IDL:Asynchronous/Sender:1.0\000\001\000", 32};
+}
+
+void encode(canorb::ccdr::Encoder& out, const Sender::sendc_typed& value);
+void decode(canorb::ccdr::Decoder& in, Sender::sendc_typed& value);
+template <canorb::OutputStream Stream>
+Stream& operator<<(Stream& out, const Sender::sendc_typed& value) {
+    return canorb::print_members(out, "it", value.it);
+}
+constexpr std::string_view type_code_of(const Sender::sendc_typed*) {
+    return {"\017(IDL:Asynchronous/Sender/sendc_typed:1.0\000\001\000\001\001\000\003", 48};
+}
+
+/// What stubs and skeletons share about IDL:Asynchronous/Later:1.0.
+inline constexpr const canorb::InterfaceInfo* LaterBases[] = {&SenderInterface};
+inline constexpr canorb::InterfaceInfo LaterInterface{
+    "IDL:Asynchronous/Later:1.0", LaterBases, 0xC52A0B50};
+
+// interfaces.idl:97
+class Later : public virtual Sender {
+  public:
+    static constexpr const canorb::InterfaceInfo& _interface = LaterInterface;
+
+    Later() = default;  // nil
+    explicit Later(const canorb::ObjectRef& reference) : canorb::ObjectRef(reference) {}
+    Later(const Later&) = default;
+    Later& operator=(const Later&) = default;
+
+    /// A copy whose calls end after `timeout`.
+    Later with_timeout(canorb::Duration timeout) const;
+    /// A copy that calls `callback` when a call through it is on the bus.
+    Later with_sent(canorb::SentCallback callback) const;
+
+    void set_level(std::int32_t sendp_ami_set_level) const;  // interfaces.idl:98, operation 16
+    void ami_plain() const;  // interfaces.idl:99, operation 17
+    sendc_typed again() const;  // interfaces.idl:100, operation 18
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<void> sendp_ami_set_level(std::int32_t sendp_ami_set_level) const;
+    canorb::PendingCall sendc_ami_set_level(
+        canorb::Future<void>::Callback callback, std::int32_t sendp_ami_set_level) const;
+    canorb::Future<void> sendp_ami_ami_plain() const;
+    canorb::PendingCall sendc_ami_ami_plain(canorb::Future<void>::Callback callback) const;
+    canorb::Future<sendc_typed> sendp_again() const;
+    canorb::PendingCall sendc_again(canorb::Future<sendc_typed>::Callback callback) const;
+};
+void encode(canorb::ccdr::Encoder& out, const Later& value);
+void decode(canorb::ccdr::Decoder& in, Later& value);
+constexpr std::string_view type_code_of(const Later*) {
+    return {"\016\033IDL:Asynchronous/Later:1.0\000\001\000", 31};
+}
+
+}  // namespace Asynchronous
+
 /// What stubs and skeletons share about IDL:AtFileScope:1.0.
 inline constexpr canorb::InterfaceInfo AtFileScopeInterface{
     "IDL:AtFileScope:1.0", {}, 0x3D45B162};
 
-// interfaces.idl:81
+// interfaces.idl:104
 class AtFileScope : public virtual canorb::ObjectRef {
   public:
     static constexpr const canorb::InterfaceInfo& _interface = AtFileScopeInterface;
@@ -504,7 +709,12 @@ class AtFileScope : public virtual canorb::ObjectRef {
     /// A copy that calls `callback` when a call through it is on the bus.
     AtFileScope with_sent(canorb::SentCallback callback) const;
 
-    void hello(const Names::_cxx_namespace& what) const;  // interfaces.idl:82, operation 0
+    void hello(const Names::_cxx_namespace& what) const;  // interfaces.idl:105, operation 0
+
+    // The same calls with a future, or with a callback.
+    canorb::Future<void> sendp_hello(const Names::_cxx_namespace& what) const;
+    canorb::PendingCall sendc_hello(
+        canorb::Future<void>::Callback callback, const Names::_cxx_namespace& what) const;
 };
 void encode(canorb::ccdr::Encoder& out, const AtFileScope& value);
 void decode(canorb::ccdr::Decoder& in, AtFileScope& value);
@@ -652,13 +862,498 @@ class UserServant : public virtual canorb::Servant {
 
 }  // namespace Bases
 
-// interfaces.idl:81
+namespace Asynchronous {
+
+// interfaces.idl:85
+class SenderServant : public virtual canorb::Servant {
+  public:
+    const canorb::InterfaceInfo& _interface_info() const override { return SenderInterface; }
+    void _dispatch(canorb::ServerCall& call) override;
+
+    virtual void plain() = 0;  // interfaces.idl:87
+    virtual void sendp_plain() = 0;  // interfaces.idl:88
+    virtual void typed() = 0;  // interfaces.idl:89
+    // interfaces.idl:90
+    virtual std::int32_t given(const Asynchronous::sendp_given& callback, Asynchronous::callback next, Asynchronous::sendp_given& last) = 0;
+    virtual void told(callback value) = 0;  // interfaces.idl:91
+    virtual std::int32_t level() = 0;  // interfaces.idl:92
+    virtual void level(std::int32_t value) = 0;  // interfaces.idl:92
+    virtual std::int32_t get_level() = 0;  // interfaces.idl:93
+    virtual void sent() = 0;  // interfaces.idl:94
+};
+
+// interfaces.idl:97
+class LaterServant : public virtual SenderServant {
+  public:
+    const canorb::InterfaceInfo& _interface_info() const override { return LaterInterface; }
+    void _dispatch(canorb::ServerCall& call) override;
+
+    virtual void set_level(std::int32_t sendp_ami_set_level) = 0;  // interfaces.idl:98
+    virtual void ami_plain() = 0;  // interfaces.idl:99
+    virtual Sender::sendc_typed again() = 0;  // interfaces.idl:100
+};
+
+}  // namespace Asynchronous
+
+// interfaces.idl:104
 class AtFileScopeServant : public virtual canorb::Servant {
   public:
     const canorb::InterfaceInfo& _interface_info() const override { return AtFileScopeInterface; }
     void _dispatch(canorb::ServerCall& call) override;
 
-    virtual void hello(const Names::_cxx_namespace& what) = 0;  // interfaces.idl:82
+    virtual void hello(const Names::_cxx_namespace& what) = 0;  // interfaces.idl:105
 };
+
+// Operations.
+
+namespace Plant {
+
+namespace Device_operations {
+inline constexpr canorb::OperationInfo _get_current{
+    .declared_in = &DeviceInterface, .id = 0, .name = "_get_current"};
+inline constexpr canorb::OperationInfo _get_description{
+    .declared_in = &DeviceInterface, .id = 1, .name = "_get_description"};
+inline constexpr canorb::OperationInfo power{
+    .declared_in = &DeviceInterface, .id = 2, .name = "power"};
+}  // namespace Device_operations
+
+namespace Listener_operations {
+inline constexpr canorb::OperationInfo changed{
+    .declared_in = &ListenerInterface, .id = 16, .name = "changed", .oneway = true, .groupable = true};
+inline constexpr canorb::OperationInfo text{
+    .declared_in = &ListenerInterface, .id = 17, .name = "text", .groupable = true};
+}  // namespace Listener_operations
+
+namespace Store_operations {
+inline constexpr canorb::OperationInfo _get_label{
+    .declared_in = &StoreInterface, .id = 32, .name = "_get_label"};
+inline constexpr canorb::OperationInfo _set_label{
+    .declared_in = &StoreInterface, .id = 33, .name = "_set_label"};
+inline constexpr canorb::OperationInfo get{
+    .declared_in = &StoreInterface, .id = 34, .name = "get"};
+inline constexpr canorb::OperationInfo lookup{
+    .declared_in = &StoreInterface, .id = 35, .name = "lookup"};
+inline constexpr canorb::OperationInfo fill{
+    .declared_in = &StoreInterface, .id = 36, .name = "fill"};
+}  // namespace Store_operations
+
+namespace Pump_operations {
+inline constexpr canorb::OperationInfo cycle{
+    .declared_in = &PumpInterface, .id = 18, .name = "cycle"};
+}  // namespace Pump_operations
+
+namespace LoggingPump_operations {
+inline constexpr canorb::OperationInfo self{
+    .declared_in = &LoggingPumpInterface, .id = 37, .name = "self"};
+}  // namespace LoggingPump_operations
+
+namespace Derived_operations {
+inline constexpr canorb::OperationInfo work{
+    .declared_in = &DerivedInterface, .id = 0, .name = "work", .groupable = true};
+}  // namespace Derived_operations
+
+}  // namespace Plant
+
+namespace Names {
+
+namespace _cxx_operator_operations {
+inline constexpr canorb::OperationInfo _cxx_new{
+    .declared_in = &_cxx_operatorInterface, .id = 0, .name = "new"};
+inline constexpr canorb::OperationInfo level{
+    .declared_in = &_cxx_operatorInterface, .id = 1, .name = "level", .groupable = true};
+inline constexpr canorb::OperationInfo call{
+    .declared_in = &_cxx_operatorInterface, .id = 2, .name = "call", .groupable = true};
+inline constexpr canorb::OperationInfo result{
+    .declared_in = &_cxx_operatorInterface, .id = 3, .name = "result"};
+inline constexpr canorb::OperationInfo interface{
+    .declared_in = &_cxx_operatorInterface, .id = 4, .name = "interface", .groupable = true};
+inline constexpr canorb::OperationInfo _get_double_{
+    .declared_in = &_cxx_operatorInterface, .id = 5, .name = "_get_double_"};
+inline constexpr canorb::OperationInfo _set_double_{
+    .declared_in = &_cxx_operatorInterface, .id = 6, .name = "_set_double_", .groupable = true};
+inline constexpr canorb::OperationInfo with_sent{
+    .declared_in = &_cxx_operatorInterface, .id = 7, .name = "with_sent", .groupable = true};
+}  // namespace _cxx_operator_operations
+
+}  // namespace Names
+
+namespace Bases {
+
+namespace Servant_operations {
+inline constexpr canorb::OperationInfo work{
+    .declared_in = &ServantInterface, .id = 0, .name = "work", .groupable = true};
+}  // namespace Servant_operations
+
+namespace ObjectRef_operations {
+inline constexpr canorb::OperationInfo refer{
+    .declared_in = &ObjectRefInterface, .id = 0, .name = "refer", .groupable = true};
+}  // namespace ObjectRef_operations
+
+namespace User_operations {
+inline constexpr canorb::OperationInfo swap{
+    .declared_in = &UserInterface, .id = 0, .name = "swap"};
+}  // namespace User_operations
+
+}  // namespace Bases
+
+namespace Asynchronous {
+
+namespace Sender_operations {
+inline constexpr canorb::OperationInfo plain{
+    .declared_in = &SenderInterface, .id = 0, .name = "plain", .groupable = true};
+inline constexpr canorb::OperationInfo sendp_plain{
+    .declared_in = &SenderInterface, .id = 1, .name = "sendp_plain", .groupable = true};
+inline constexpr canorb::OperationInfo typed{
+    .declared_in = &SenderInterface, .id = 2, .name = "typed", .groupable = true};
+inline constexpr canorb::OperationInfo given{
+    .declared_in = &SenderInterface, .id = 3, .name = "given"};
+inline constexpr canorb::OperationInfo told{
+    .declared_in = &SenderInterface, .id = 4, .name = "told", .groupable = true};
+inline constexpr canorb::OperationInfo _get_level{
+    .declared_in = &SenderInterface, .id = 5, .name = "_get_level"};
+inline constexpr canorb::OperationInfo _set_level{
+    .declared_in = &SenderInterface, .id = 6, .name = "_set_level", .groupable = true};
+inline constexpr canorb::OperationInfo get_level{
+    .declared_in = &SenderInterface, .id = 7, .name = "get_level"};
+inline constexpr canorb::OperationInfo sent{
+    .declared_in = &SenderInterface, .id = 8, .name = "sent", .oneway = true, .groupable = true};
+}  // namespace Sender_operations
+
+namespace Later_operations {
+inline constexpr canorb::OperationInfo set_level{
+    .declared_in = &LaterInterface, .id = 16, .name = "set_level", .groupable = true};
+inline constexpr canorb::OperationInfo ami_plain{
+    .declared_in = &LaterInterface, .id = 17, .name = "ami_plain", .groupable = true};
+inline constexpr canorb::OperationInfo again{
+    .declared_in = &LaterInterface, .id = 18, .name = "again"};
+}  // namespace Later_operations
+
+}  // namespace Asynchronous
+
+namespace AtFileScope_operations {
+inline constexpr canorb::OperationInfo hello{
+    .declared_in = &AtFileScopeInterface, .id = 0, .name = "hello", .groupable = true};
+}  // namespace AtFileScope_operations
+
+// Asynchronous calls.
+
+namespace Plant {
+
+inline canorb::Future<Device::State> Device::sendp_get_current() const {
+    return canorb::send_request<canorb::Returns<State>>(*this, Device_operations::_get_current);
+}
+inline canorb::PendingCall Device::sendc_get_current(
+    canorb::Future<State>::Callback callback) const {
+    return this->sendp_get_current().then(std::move(callback));
+}
+
+inline canorb::Future<Device::Info> Device::sendp_get_description() const {
+    return canorb::send_request<canorb::Returns<Info>, canorb::Raises<Broken>>(
+        *this, Device_operations::_get_description);
+}
+inline canorb::PendingCall Device::sendc_get_description(
+    canorb::Future<Info>::Callback callback) const {
+    return this->sendp_get_description().then(std::move(callback));
+}
+
+inline canorb::Future<void> Device::sendp_power(State wanted) const {
+    return canorb::send_request<canorb::Returns<>, canorb::Raises<Broken, Refused>>(
+        *this, Device_operations::power, wanted);
+}
+inline canorb::PendingCall Device::sendc_power(
+    canorb::Future<void>::Callback callback, State wanted) const {
+    return this->sendp_power(wanted).then(std::move(callback));
+}
+
+inline canorb::Future<void> Listener::sendp_ami_ami_text(
+    const std::string& message, const std::string& details) const {
+    return canorb::send_request<canorb::Returns<>>(
+        *this, Listener_operations::text, message, canorb::ccdr::bounded<300>(details));
+}
+inline canorb::PendingCall Listener::sendc_ami_ami_text(
+    canorb::Future<void>::Callback callback, const std::string& message, const std::string& details) const {
+    return this->sendp_ami_ami_text(message, details).then(std::move(callback));
+}
+
+inline canorb::Future<std::string> Store::sendp_get_label() const {
+    return canorb::send_request<canorb::Returns<canorb::ccdr::Bounded<std::string, 300>>, canorb::Raises<Refused>>(
+        *this, Store_operations::_get_label);
+}
+inline canorb::PendingCall Store::sendc_get_label(
+    canorb::Future<std::string>::Callback callback) const {
+    return this->sendp_get_label().then(std::move(callback));
+}
+
+inline canorb::Future<void> Store::sendp_set_label(const std::string& value) const {
+    return canorb::send_request<canorb::Returns<>, canorb::Raises<Refused>>(
+        *this, Store_operations::_set_label, canorb::ccdr::bounded<300>(value));
+}
+inline canorb::PendingCall Store::sendc_set_label(
+    canorb::Future<void>::Callback callback, const std::string& value) const {
+    return this->sendp_set_label(value).then(std::move(callback));
+}
+
+inline canorb::Future<std::tuple<std::string, Store::Texts, canorb::BoundedString<20>>> Store::sendp_get(
+    std::int32_t key, const canorb::BoundedString<20>& hint) const {
+    return canorb::send_request<canorb::Returns<canorb::ccdr::Bounded<std::string, 300>, canorb::ccdr::Bounded<Texts, 0, 300>, canorb::BoundedString<20>>>(
+        *this, Store_operations::get, key, hint);
+}
+inline canorb::PendingCall Store::sendc_get(
+    canorb::Future<std::tuple<std::string, Texts, canorb::BoundedString<20>>>::Callback callback, std::int32_t key, const canorb::BoundedString<20>& hint) const {
+    return this->sendp_get(key, hint).then(std::move(callback));
+}
+
+inline canorb::Future<std::tuple<canorb::ObjectRef, canorb::ObjectRef>> Store::sendp_lookup(
+    const std::string& name, const canorb::ObjectRef& hint) const {
+    return canorb::send_request<canorb::Returns<canorb::ObjectRef, canorb::ObjectRef>>(
+        *this, Store_operations::lookup, name, hint);
+}
+inline canorb::PendingCall Store::sendc_lookup(
+    canorb::Future<std::tuple<canorb::ObjectRef, canorb::ObjectRef>>::Callback callback, const std::string& name, const canorb::ObjectRef& hint) const {
+    return this->sendp_lookup(name, hint).then(std::move(callback));
+}
+
+inline canorb::Future<std::int32_t> Store::sendp_fill(const Listeners& who) const {
+    return canorb::send_request<canorb::Returns<std::int32_t>>(*this, Store_operations::fill, who);
+}
+inline canorb::PendingCall Store::sendc_fill(
+    canorb::Future<std::int32_t>::Callback callback, const Listeners& who) const {
+    return this->sendp_fill(who).then(std::move(callback));
+}
+
+inline canorb::Future<std::tuple<Device::State, Device::Info>> Pump::sendp_cycle(
+    State from, const Info& about) const {
+    return canorb::send_request<canorb::Returns<State, Info>>(
+        *this, Pump_operations::cycle, from, about);
+}
+inline canorb::PendingCall Pump::sendc_cycle(
+    canorb::Future<std::tuple<State, Info>>::Callback callback, State from, const Info& about) const {
+    return this->sendp_cycle(from, about).then(std::move(callback));
+}
+
+inline canorb::Future<Pump> LoggingPump::sendp_self() const {
+    return canorb::send_request<canorb::Returns<Pump>>(*this, LoggingPump_operations::self);
+}
+inline canorb::PendingCall LoggingPump::sendc_self(
+    canorb::Future<Pump>::Callback callback) const {
+    return this->sendp_self().then(std::move(callback));
+}
+
+inline canorb::Future<void> Derived::sendp_work() const {
+    return canorb::send_request<canorb::Returns<>>(*this, Derived_operations::work);
+}
+inline canorb::PendingCall Derived::sendc_work(canorb::Future<void>::Callback callback) const {
+    return this->sendp_work().then(std::move(callback));
+}
+
+}  // namespace Plant
+
+namespace Names {
+
+inline canorb::Future<std::tuple<_cxx_class, std::int32_t>> _cxx_operator::sendp_new(
+    std::int32_t call, std::int32_t result, std::int32_t exception) const {
+    return canorb::send_request<canorb::Returns<_cxx_class, std::int32_t>, canorb::Raises<Plant::Refused>>(
+        *this, _cxx_operator_operations::_cxx_new, call, result, exception);
+}
+inline canorb::PendingCall _cxx_operator::sendc_new(
+    canorb::Future<std::tuple<_cxx_class, std::int32_t>>::Callback callback, std::int32_t call, std::int32_t result, std::int32_t exception) const {
+    return this->sendp_new(call, result, exception).then(std::move(callback));
+}
+
+inline canorb::Future<void> _cxx_operator::sendp_level(std::uint16_t level) const {
+    return canorb::send_request<canorb::Returns<>>(*this, _cxx_operator_operations::level, level);
+}
+inline canorb::PendingCall _cxx_operator::sendc_level(
+    canorb::Future<void>::Callback callback, std::uint16_t level) const {
+    return this->sendp_level(level).then(std::move(callback));
+}
+
+inline canorb::Future<void> _cxx_operator::sendp_call(std::int32_t value) const {
+    return canorb::send_request<canorb::Returns<>>(*this, _cxx_operator_operations::call, value);
+}
+inline canorb::PendingCall _cxx_operator::sendc_call(
+    canorb::Future<void>::Callback callback, std::int32_t value) const {
+    return this->sendp_call(value).then(std::move(callback));
+}
+
+inline canorb::Future<std::int32_t> _cxx_operator::sendp_result() const {
+    return canorb::send_request<canorb::Returns<std::int32_t>>(
+        *this, _cxx_operator_operations::result);
+}
+inline canorb::PendingCall _cxx_operator::sendc_result(
+    canorb::Future<std::int32_t>::Callback callback) const {
+    return this->sendp_result().then(std::move(callback));
+}
+
+inline canorb::Future<void> _cxx_operator::sendp_interface(std::int32_t module) const {
+    return canorb::send_request<canorb::Returns<>>(
+        *this, _cxx_operator_operations::interface, module);
+}
+inline canorb::PendingCall _cxx_operator::sendc_interface(
+    canorb::Future<void>::Callback callback, std::int32_t module) const {
+    return this->sendp_interface(module).then(std::move(callback));
+}
+
+inline canorb::Future<std::int32_t> _cxx_operator::sendp_get_double_() const {
+    return canorb::send_request<canorb::Returns<std::int32_t>>(
+        *this, _cxx_operator_operations::_get_double_);
+}
+inline canorb::PendingCall _cxx_operator::sendc_get_double_(
+    canorb::Future<std::int32_t>::Callback callback) const {
+    return this->sendp_get_double_().then(std::move(callback));
+}
+
+inline canorb::Future<void> _cxx_operator::sendp_set_double_(std::int32_t value) const {
+    return canorb::send_request<canorb::Returns<>>(
+        *this, _cxx_operator_operations::_set_double_, value);
+}
+inline canorb::PendingCall _cxx_operator::sendc_set_double_(
+    canorb::Future<void>::Callback callback, std::int32_t value) const {
+    return this->sendp_set_double_(value).then(std::move(callback));
+}
+
+inline canorb::Future<void> _cxx_operator::sendp_with_sent(std::int32_t callback) const {
+    return canorb::send_request<canorb::Returns<>>(
+        *this, _cxx_operator_operations::with_sent, callback);
+}
+inline canorb::PendingCall _cxx_operator::sendc_with_sent(
+    canorb::Future<void>::Callback _callback, std::int32_t callback) const {
+    return this->sendp_with_sent(callback).then(std::move(_callback));
+}
+
+}  // namespace Names
+
+namespace Bases {
+
+inline canorb::Future<void> Servant::sendp_work() const {
+    return canorb::send_request<canorb::Returns<>>(*this, Servant_operations::work);
+}
+inline canorb::PendingCall Servant::sendc_work(canorb::Future<void>::Callback callback) const {
+    return this->sendp_work().then(std::move(callback));
+}
+
+inline canorb::Future<void> ObjectRef::sendp_refer() const {
+    return canorb::send_request<canorb::Returns<>>(*this, ObjectRef_operations::refer);
+}
+inline canorb::PendingCall ObjectRef::sendc_refer(
+    canorb::Future<void>::Callback callback) const {
+    return this->sendp_refer().then(std::move(callback));
+}
+
+inline canorb::Future<std::tuple<Servant, Servant>> User::sendp_swap(
+    const Bases::ObjectRef& given, const Servant& taken) const {
+    return canorb::send_request<canorb::Returns<Servant, Servant>>(
+        *this, User_operations::swap, given, taken);
+}
+inline canorb::PendingCall User::sendc_swap(
+    canorb::Future<std::tuple<Servant, Servant>>::Callback callback, const Bases::ObjectRef& given, const Servant& taken) const {
+    return this->sendp_swap(given, taken).then(std::move(callback));
+}
+
+}  // namespace Bases
+
+namespace Asynchronous {
+
+inline canorb::Future<void> Sender::sendp_ami_plain() const {
+    return canorb::send_request<canorb::Returns<>>(*this, Sender_operations::plain);
+}
+inline canorb::PendingCall Sender::sendc_ami_plain(
+    canorb::Future<void>::Callback callback) const {
+    return this->sendp_ami_plain().then(std::move(callback));
+}
+
+inline canorb::Future<void> Sender::sendp_sendp_plain() const {
+    return canorb::send_request<canorb::Returns<>>(*this, Sender_operations::sendp_plain);
+}
+inline canorb::PendingCall Sender::sendc_sendp_plain(
+    canorb::Future<void>::Callback callback) const {
+    return this->sendp_sendp_plain().then(std::move(callback));
+}
+
+inline canorb::Future<void> Sender::sendp_ami_typed() const {
+    return canorb::send_request<canorb::Returns<>>(*this, Sender_operations::typed);
+}
+inline canorb::PendingCall Sender::sendc_ami_typed(
+    canorb::Future<void>::Callback callback) const {
+    return this->sendp_ami_typed().then(std::move(callback));
+}
+
+inline canorb::Future<std::tuple<std::int32_t, sendp_given>> Sender::sendp_given(
+    const Asynchronous::sendp_given& callback, Asynchronous::callback next) const {
+    return canorb::send_request<canorb::Returns<std::int32_t, Asynchronous::sendp_given>>(
+        *this, Sender_operations::given, callback, next);
+}
+inline canorb::PendingCall Sender::sendc_given(
+    canorb::Future<std::tuple<std::int32_t, Asynchronous::sendp_given>>::Callback _callback, const Asynchronous::sendp_given& callback, Asynchronous::callback next) const {
+    return this->sendp_given(callback, next).then(std::move(_callback));
+}
+
+inline canorb::Future<void> Sender::sendp_told(callback value) const {
+    return canorb::send_request<canorb::Returns<>>(*this, Sender_operations::told, value);
+}
+inline canorb::PendingCall Sender::sendc_told(
+    canorb::Future<void>::Callback callback, Asynchronous::callback value) const {
+    return this->sendp_told(value).then(std::move(callback));
+}
+
+inline canorb::Future<std::int32_t> Sender::sendp_get_level() const {
+    return canorb::send_request<canorb::Returns<std::int32_t>>(
+        *this, Sender_operations::_get_level);
+}
+inline canorb::PendingCall Sender::sendc_get_level(
+    canorb::Future<std::int32_t>::Callback callback) const {
+    return this->sendp_get_level().then(std::move(callback));
+}
+
+inline canorb::Future<void> Sender::sendp_set_level(std::int32_t value) const {
+    return canorb::send_request<canorb::Returns<>>(*this, Sender_operations::_set_level, value);
+}
+inline canorb::PendingCall Sender::sendc_set_level(
+    canorb::Future<void>::Callback callback, std::int32_t value) const {
+    return this->sendp_set_level(value).then(std::move(callback));
+}
+
+inline canorb::Future<std::int32_t> Sender::sendp_ami_get_level() const {
+    return canorb::send_request<canorb::Returns<std::int32_t>>(*this, Sender_operations::get_level);
+}
+inline canorb::PendingCall Sender::sendc_ami_get_level(
+    canorb::Future<std::int32_t>::Callback callback) const {
+    return this->sendp_ami_get_level().then(std::move(callback));
+}
+
+inline canorb::Future<void> Later::sendp_ami_set_level(std::int32_t sendp_ami_set_level) const {
+    return canorb::send_request<canorb::Returns<>>(
+        *this, Later_operations::set_level, sendp_ami_set_level);
+}
+inline canorb::PendingCall Later::sendc_ami_set_level(
+    canorb::Future<void>::Callback callback, std::int32_t sendp_ami_set_level) const {
+    return this->sendp_ami_set_level(sendp_ami_set_level).then(std::move(callback));
+}
+
+inline canorb::Future<void> Later::sendp_ami_ami_plain() const {
+    return canorb::send_request<canorb::Returns<>>(*this, Later_operations::ami_plain);
+}
+inline canorb::PendingCall Later::sendc_ami_ami_plain(
+    canorb::Future<void>::Callback callback) const {
+    return this->sendp_ami_ami_plain().then(std::move(callback));
+}
+
+inline canorb::Future<Sender::sendc_typed> Later::sendp_again() const {
+    return canorb::send_request<canorb::Returns<sendc_typed>>(*this, Later_operations::again);
+}
+inline canorb::PendingCall Later::sendc_again(
+    canorb::Future<sendc_typed>::Callback callback) const {
+    return this->sendp_again().then(std::move(callback));
+}
+
+}  // namespace Asynchronous
+
+inline canorb::Future<void> AtFileScope::sendp_hello(const Names::_cxx_namespace& what) const {
+    return canorb::send_request<canorb::Returns<>>(*this, AtFileScope_operations::hello, what);
+}
+inline canorb::PendingCall AtFileScope::sendc_hello(
+    canorb::Future<void>::Callback callback, const Names::_cxx_namespace& what) const {
+    return this->sendp_hello(what).then(std::move(callback));
+}
 
 #pragma GCC diagnostic pop
