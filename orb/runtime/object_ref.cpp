@@ -118,6 +118,16 @@ std::vector<std::uint8_t> ObjectRef::invoke(OperationId operation, Bytes paramet
     return {body.begin(), body.end()};
 }
 
+InvokeResult ObjectRef::invoke(const OperationInfo& operation, Bytes parameters) const {
+    ClientCall call{*this, operation};
+    call.write(poa::RawOctets{parameters});
+    InvokeResult result;
+    if (!call.perform()) result.exception_id = call.exception_id_;
+    const Bytes body = call.in_.rest();
+    result.body.assign(body.begin(), body.end());
+    return result;
+}
+
 bool operator==(const ObjectRef& a, const ObjectRef& b) {
     return a.to_->same_target(*b.to_);
 }

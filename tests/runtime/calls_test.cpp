@@ -126,6 +126,29 @@ TEST_P(Calls, DeclaredExceptionArrivesWithItsMembers) {
                                           "that the caller does not know: invoke on "));
 }
 
+TEST_P(Calls, WithoutGeneratedCodeTellUserExceptionsFromResults) {
+    const std::vector<std::uint8_t> two{1, 2};
+    const OperationInfo echoes{&lamp_interface, 1, "echo"};
+    const InvokeResult answer = target.invoke(echoes, two);
+    EXPECT_EQ(answer.exception_id, "");
+    EXPECT_EQ(answer.body, two);
+
+    const OperationInfo breaks{&lamp_interface, 5, "break_down"};
+    const InvokeResult raised = target.invoke(breaks, {});
+    EXPECT_EQ(raised.exception_id, "IDL:Test/Broken:1.0");
+    EXPECT_EQ(raised.body, std::vector<std::uint8_t>{9});
+
+    const OperationInfo refuses{&lamp_interface, 2, "refuse"};
+    EXPECT_EQ(error_of([&] { target.invoke(refuses, {}); }),
+              (SystemError{SystemErrorKind::no_permission, Completion::yes, 7}));
+
+    const int before = servant.calls;
+    EXPECT_EQ(target.invoke(ring_oneway, {}).body, std::vector<std::uint8_t>{});
+    EXPECT_EQ(servant.calls, before);
+    simulation.run_for(1ms);
+    EXPECT_EQ(servant.calls, before + 1);
+}
+
 TEST_P(Calls, UnknownOperationIsBadOperation) {
     constexpr SystemError bad_operation{SystemErrorKind::bad_operation, Completion::no, 18};
     EXPECT_EQ(error_of([&] { target.invoke(200, {}); }), bad_operation);

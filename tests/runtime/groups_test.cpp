@@ -50,6 +50,22 @@ TEST_F(Groups, EveryMemberIsCalledOnceAndLocalOnesNotOnTheCallersStack) {
     EXPECT_EQ(servants[2].calls, 2);
 }
 
+TEST_F(Groups, CallWithoutGeneratedCodeNamesTheInterfaceThatDeclaresIt) {
+    two.object_join(two.root_poa().activate_object(servants[0]), GroupId{5});
+    const std::vector<std::uint8_t> octets{7};
+    const InvokeResult result = group(one, 5).invoke(ring, octets);
+    EXPECT_EQ(result.exception_id, "");
+    EXPECT_EQ(result.body, std::vector<std::uint8_t>{});
+    simulation.run_for(10ms);
+    ASSERT_EQ(seen.size(), 2U);
+    const std::uint16_t key = lamp_interface.group_key();
+    EXPECT_EQ(seen[0].frame.data[5] << 8 | seen[0].frame.data[6], key);
+
+    const OperationInfo with_result{&lamp_interface, 1, "echo"};
+    EXPECT_EQ(error_of([&] { group(one, 5).invoke(with_result, {}); }),
+              (SystemError{SystemErrorKind::bad_operation, Completion::no}));
+}
+
 TEST_F(Groups, MemberMayLeaveWhileTheGroupIsCalled) {
     TestServant leaver{{{0, [this](ServerCall& call) {
                              for (const ObjectRef& member : one.group_members(GroupId{5})) {

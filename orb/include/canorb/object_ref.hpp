@@ -12,6 +12,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -29,6 +30,15 @@ class OrbImpl;
 /// Called from the ORB's event loop when the controller has confirmed the last frame of a call.
 /// It is not called when the call's message was withdrawn or failed.
 using SentCallback = std::function<void()>;
+
+/// How a call without generated code ended.
+struct InvokeResult {
+    /// The repository id of the user exception that the operation raised; empty: it raised none.
+    std::string exception_id{};
+    /// In CCDR: the result, then inout and out parameters; of a user exception its members. Empty
+    /// for a group and for a oneway operation.
+    std::vector<std::uint8_t> body{};
+};
 
 /// A reference to an object, or to a group, or to nothing (nil). A value: copying it is cheap, and
 /// copies may be used from several threads. Generated stub classes derive from it.
@@ -86,6 +96,11 @@ class ObjectRef {
     /// result is the Reply's body in CCDR, empty for a group. A user exception is thrown as
     /// UNKNOWN.
     std::vector<std::uint8_t> invoke(OperationId operation, Bytes parameters) const;
+    /// The same for who knows the operation as generated code does: a oneway one returns once its
+    /// message is queued, a group checks the interface that declares it, and one that cannot be
+    /// sent to a group is BAD_OPERATION there. A user exception is a result; system exceptions are
+    /// thrown.
+    InvokeResult invoke(const OperationInfo& operation, Bytes parameters) const;
 
     /// Same object or group; types, timeouts and callbacks do not count.
     friend bool operator==(const ObjectRef& a, const ObjectRef& b);
