@@ -16,7 +16,7 @@ if(TARGET canorb-idlc)
     install(EXPORT canorbIdlcTargets NAMESPACE canorb:: DESTINATION ${package_dir})
 endif()
 if(CANORB_BUILD_TOOLS)
-    install(TARGETS canorb-bits canorb-bus RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+    install(TARGETS canorb-bits canorb-bus canorb-console RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 endif()
 
 install(DIRECTORY ${PROJECT_SOURCE_DIR}/orb/include/canorb/
