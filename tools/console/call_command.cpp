@@ -78,7 +78,7 @@ class Call {
             }
             return show_results(result.body);
         } catch (const SystemException& exception) {
-            if (common_.json) show_json(exception);
+            if (common_.json && !session.is_closed()) show_json(exception);
             throw;
         }
     }

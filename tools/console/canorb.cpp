@@ -146,7 +146,7 @@ class CommandLine {
             "Examples:\n"
             "  canorb call corbaloc:caniop:3/0 identity\n"
             "  canorb call --idl devices.idl corbaloc:caniop:3/1 speed 1\n"
-            "  canorb call --idl devices.idl corbaloc:caniop:3/1 follow "
+            "  canorb call --idl devices.idl corbaloc:caniop:3/1 adjust "
             "'{\"speed\": 70, \"mode\": \"fast\"}'\n"
             "  canorb call --idl devices.idl --interface Devices::Motor "
             "corbaloc:caniop:group/5 stop");

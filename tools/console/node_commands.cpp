@@ -131,7 +131,6 @@ class AllNodes {
             } catch (const SystemException& exception) {
                 const std::lock_guard lock{mutex_};
                 failures_.emplace(number, exception.what());
-                is_bad_ = is_bad_ || is_ours(exception);
             }
         };
         std::vector<std::jthread> threads;
@@ -144,19 +143,14 @@ class AllNodes {
 
     const std::map<int, std::string>& failures() const { return failures_; }
     /// The calls did not get onto the bus: that nobody answers says nothing.
-    bool is_bad() const { return is_bad_; }
+    bool is_bus_gone() const { return session_.is_bus_gone(); }
+    bool is_interrupted() const { return session_.is_closed(); }
 
   private:
-    static bool is_ours(const SystemException& exception) {
-        return exception.error().kind == SystemErrorKind::comm_failure ||
-               exception.error().kind == SystemErrorKind::bad_inv_order;
-    }
-
     Session& session_;
     int own_;
     std::mutex mutex_;
     std::map<int, std::string> failures_;
-    bool is_bad_ = false;
 };
 
 struct NodeFacts {
@@ -190,15 +184,17 @@ std::string serial_text(std::uint64_t serial) {
 
 /// What was said by some nodes that did not tell what they were asked for.
 int finish(const AllNodes& all, bool any, const CommonOptions& common) {
+    if (all.is_interrupted()) return interrupted;
     for (const auto& [number, failure] : all.failures()) {
         say("node " + std::to_string(number) + ": " + failure);
+        if (all.is_bus_gone()) break;  // all for the same reason
     }
     if (any) return success;
     if (all.failures().empty()) {
         say(fmt::format("no node answered within {} ms (--timeout)",
                         std::chrono::ceil<std::chrono::milliseconds>(common.timeout).count()));
     }
-    return all.is_bad() ? bus_unreachable : call_failed;
+    return all.is_bus_gone() ? bus_unreachable : call_failed;
 }
 
 /// Runs `work` with the management object of one node.

@@ -41,6 +41,7 @@ int run_guarded(Session& session, const std::function<int(Session&)>& work) {
     try {
         return work(session);
     } catch (const SystemException& exception) {
+        if (session.is_closed()) return interrupted;
         return fail(describe(exception), session.is_bus_gone() ? bus_unreachable : call_failed);
     } catch (const std::exception& error) {
         return fail(error.what(), call_failed);
@@ -90,7 +91,14 @@ ObjectRef Session::object(std::string_view text) {
 
 bool Session::is_bus_gone() const {
     const std::lock_guard lock{mutex_};
-    return orb_ && orb_->error_status().state == can::ControllerState::stopped;
+    if (!orb_) return false;
+    const can::ControllerState state = orb_->error_status().state;
+    return state == can::ControllerState::stopped || state == can::ControllerState::bus_off;
+}
+
+bool Session::is_closed() const {
+    const std::lock_guard lock{mutex_};
+    return !orb_;
 }
 
 void Session::warn_of_duplicate() const {

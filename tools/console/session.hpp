@@ -29,7 +29,10 @@ class Session {
 
     /// As Orb::string_to_object(), with the timeout of the options.
     ObjectRef object(std::string_view text);
+    /// The controller is off the bus, or the link down.
     bool is_bus_gone() const;
+    /// Ctrl-C came, and nothing more is to be said.
+    bool is_closed() const;
 
     Session(const Session&) = delete;
     Session& operator=(const Session&) = delete;

@@ -349,6 +349,21 @@ TEST_F(Console, EndsACallAtOnceOnCtrlC) {
     ASSERT_TRUE(caller.says("Ctrl-C ends it"));
     caller.send_signal(SIGINT);
     EXPECT_EQ(caller.wait(), 130);
+    EXPECT_THAT(caller.text(), Not(HasSubstr("BAD_INV_ORDER")));
+}
+
+TEST_F(Console, SaysThatTheBusWent) {
+    tank::test::Child caller{{CANORB_CONSOLE, "call", "--bus", address(), "--timeout", "1000s",
+                              "corbaloc:caniop:9/1", "_interface"},
+                             tank::test::Child::Input::terminal};
+    tank::test::Child watcher{{CANORB_CONSOLE, "watch", "--bus", address(), "5"}};
+    ASSERT_TRUE(caller.says("Ctrl-C ends it"));
+    ASSERT_TRUE(watcher.says("watching group 5"));
+    server_.reset();
+    EXPECT_EQ(caller.wait(), 3);
+    EXPECT_THAT(caller.text(), HasSubstr("COMM_FAILURE"));
+    EXPECT_EQ(watcher.wait(), 3);
+    EXPECT_THAT(watcher.text(), HasSubstr("the bus is gone"));
 }
 
 TEST_F(Console, SaysThatItsNumberIsTaken) {
