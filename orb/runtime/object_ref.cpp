@@ -121,9 +121,11 @@ std::vector<std::uint8_t> ObjectRef::invoke(OperationId operation, Bytes paramet
 InvokeResult ObjectRef::invoke(const OperationInfo& operation, Bytes parameters) const {
     ClientCall call{*this, operation};
     call.write(poa::RawOctets{parameters});
+    call.perform();
     InvokeResult result;
-    if (!call.perform()) result.exception_id = call.exception_id_;
-    const Bytes body = call.in_.rest();
+    result.exception_id = call.reply_.exception_id();
+    if (result.exception_id.empty()) call.reply_.raise();  // one whose id is empty: UNKNOWN
+    const Bytes body = call.reply_.octets();
     result.body.assign(body.begin(), body.end());
     return result;
 }

@@ -12,9 +12,6 @@ set(options -D "CMAKE_CXX_COMPILER=${COMPILER}" -D CMAKE_BUILD_TYPE=Debug
 if(LAUNCHER)
     list(APPEND options -D "CMAKE_CXX_COMPILER_LAUNCHER=${LAUNCHER}")
 endif()
-if(SANITIZE)
-    list(APPEND options -D "CMAKE_CXX_FLAGS=-fsanitize=${SANITIZE}")
-endif()
 
 # run(command...): it must succeed; what it writes is in `output`.
 macro(run)

@@ -22,7 +22,7 @@
 #include "tests/can/bus_server_fixture.hpp"
 #include "tests/stress/ledger.hpp"
 #include "tests/support/soak.hpp"
-#include "tests/tank/child.hpp"
+#include "tests/support/child.hpp"
 
 namespace canorb::test::stress {
 namespace {
@@ -73,7 +73,7 @@ class Siege : public testing::Test {
 
     void bring(int node) {
         brought_[at(node)] = Clock::now();
-        children_[at(node)] = std::make_unique<tank::test::Child>(
+        children_[at(node)] = std::make_unique<Child>(
             std::vector<std::string>{SIEGE_NODE, "sim:" + directory_.path() + "/bus",
                                      std::to_string(node), std::to_string(busy_)});
     }
@@ -115,7 +115,7 @@ class Siege : public testing::Test {
     can::test::TemporaryDirectory directory_;
     Gate gate_;
     // What the bus looks at as long as it runs.
-    std::array<std::unique_ptr<tank::test::Child>, node_count + 1> children_;
+    std::array<std::unique_ptr<Child>, node_count + 1> children_;
     std::atomic<bool> armed_ = false;
     int frames_ = 0;
     std::optional<can::test::RunningServer> server_;

@@ -56,7 +56,9 @@ class CallReply {
         check_read();
     }
 
-    /// The return value and all parameters as octets.
+    /// The repository id of a user exception; empty where it is none.
+    std::string_view exception_id() const { return exception_id_; }
+    /// The return value and all parameters, or a user exception's members, as octets.
     Bytes octets() { return in_.octets(in_.remaining()); }
 
   private:
