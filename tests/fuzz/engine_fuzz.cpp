@@ -192,6 +192,7 @@ class Owner {
             answer(0);
             pass(50ms);
             check();
+            if (calls_.empty() && engine_.is_idle() && engine_.next_deadline() == never) break;
         }
         require(calls_.empty());
         require(engine_.queued_messages() == 0);

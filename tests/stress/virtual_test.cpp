@@ -74,7 +74,7 @@ class VirtualTime : public testing::Test {
         }
         while (run.ledger.size() < calls) {
             Node& node = *nodes[below(random, Node::nodes)];
-            node.call_anyone(random, 100ms / (1 + below(random, 20)));
+            node.call_anyone(random, 60ms / (1 + below(random, 30)));
             if (node.orb().error_status().state == can::ControllerState::bus_off) {
                 simulation.run_for(1ms);
             }
@@ -96,19 +96,18 @@ class VirtualTime : public testing::Test {
         EXPECT_GT(bus_offs, 0U);
         EXPECT_GT(duplicates, 0U);
         EXPECT_GT(run.deepest(), 4U);
-        auto counted = run.counted();
-        EXPECT_GT(counted["TIMEOUT MAYBE"], 0U);
-        EXPECT_GT(counted["TIMEOUT NO"], 0U);
-        EXPECT_GT(counted["COMM_FAILURE MAYBE"], 0U);
-        EXPECT_GT(counted["COMM_FAILURE NO"], 0U);
         frames.set_disturbance(nullptr);
-        return {run.right, std::move(counted), simulation.now()};
+        return {run.right, run.counted(), simulation.now()};
     }
 };
 
 TEST_F(VirtualTime, NoCallOutlivesItsDeadlineByANanosecond) {
-    const auto calls = static_cast<std::uint32_t>(20'000 * soak_factor());
-    const Summary summary = run(calls);
+    const auto calls = static_cast<std::uint32_t>(5'000 * soak_factor());
+    Summary summary = run(calls);
+    for (const char* end :
+         {"TIMEOUT MAYBE", "TIMEOUT NO", "COMM_FAILURE MAYBE", "COMM_FAILURE NO"}) {
+        EXPECT_GT(summary.counted[end], 0U) << end;
+    }
     std::printf("%llu right, until %lld ms\n", static_cast<unsigned long long>(summary.right),
                 static_cast<long long>(summary.end.time_since_epoch() / 1ms));
     for (const auto& [what, times] : summary.counted) {
@@ -117,7 +116,7 @@ TEST_F(VirtualTime, NoCallOutlivesItsDeadlineByANanosecond) {
 }
 
 TEST_F(VirtualTime, IsTheSameEachTime) {
-    EXPECT_EQ(run(2'000), run(2'000));
+    EXPECT_EQ(run(1'000), run(1'000));
 }
 
 }  // namespace
