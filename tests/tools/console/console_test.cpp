@@ -13,7 +13,7 @@
 #include "canorb/orb.hpp"
 #include "tests/can/bus_server_fixture.hpp"
 #include "tests/support/shell.hpp"
-#include "tests/tank/child.hpp"
+#include "tests/support/child.hpp"
 #include "things.hpp"
 
 namespace canorb::console {
@@ -312,7 +312,7 @@ TEST_F(Console, RestartsANodeThatAllowsIt) {
 }
 
 TEST_F(Console, WatchesAGroup) {
-    tank::test::Child watcher{
+    test::Child watcher{
         {CANORB_CONSOLE, "watch", "--bus", address(), "--idl", idl, "--count", "4", "5"}};
     ASSERT_TRUE(watcher.says("watching group 5"));
     const auto lamps =
@@ -332,7 +332,7 @@ TEST_F(Console, WatchesAGroup) {
 }
 
 TEST_F(Console, WatchesUntilCtrlCOrItsTime) {
-    tank::test::Child watcher{{CANORB_CONSOLE, "watch", "--json", "--bus", address(), "5"}};
+    test::Child watcher{{CANORB_CONSOLE, "watch", "--json", "--bus", address(), "5"}};
     ASSERT_TRUE(watcher.says("watching group 5"));
     const std::vector<std::uint8_t> octets{1};
     idle_->string_to_object("corbaloc:caniop:group/5").invoke(0, octets);
@@ -343,9 +343,9 @@ TEST_F(Console, WatchesUntilCtrlCOrItsTime) {
 }
 
 TEST_F(Console, EndsACallAtOnceOnCtrlC) {
-    tank::test::Child caller{{CANORB_CONSOLE, "call", "--bus", address(), "--timeout", "1000s",
+    test::Child caller{{CANORB_CONSOLE, "call", "--bus", address(), "--timeout", "1000s",
                               "corbaloc:caniop:9/1", "_interface"},
-                             tank::test::Child::Input::terminal};
+                             test::Child::Input::terminal};
     ASSERT_TRUE(caller.says("Ctrl-C ends it"));
     caller.send_signal(SIGINT);
     EXPECT_EQ(caller.wait(), 130);
@@ -353,10 +353,10 @@ TEST_F(Console, EndsACallAtOnceOnCtrlC) {
 }
 
 TEST_F(Console, SaysThatTheBusWent) {
-    tank::test::Child caller{{CANORB_CONSOLE, "call", "--bus", address(), "--timeout", "1000s",
+    test::Child caller{{CANORB_CONSOLE, "call", "--bus", address(), "--timeout", "1000s",
                               "corbaloc:caniop:9/1", "_interface"},
-                             tank::test::Child::Input::terminal};
-    tank::test::Child watcher{{CANORB_CONSOLE, "watch", "--bus", address(), "5"}};
+                             test::Child::Input::terminal};
+    test::Child watcher{{CANORB_CONSOLE, "watch", "--bus", address(), "5"}};
     ASSERT_TRUE(caller.says("Ctrl-C ends it"));
     ASSERT_TRUE(watcher.says("watching group 5"));
     server_.reset();
