@@ -41,6 +41,7 @@ constexpr Named all[] = {
     {Counter::replies_on_group, "replies_on_group"},
     {Counter::duplicate_requests, "duplicate_requests"},
     {Counter::unmatched_replies, "unmatched_replies"},
+    {Counter::replies_to_cancelled_calls, "replies_to_cancelled_calls"},
     {Counter::requests_dispatched, "requests_dispatched"},
     {Counter::group_interface_mismatches, "group_interface_mismatches"},
     {Counter::group_requests_failed, "group_requests_failed"},

@@ -71,6 +71,7 @@ class BoundedCalls : public testing::Test {
         OrbOptions options;
         options.node = number;
         options.default_timeout = 20s;
+        options.inter_frame_timeout = 10s;  // threads may be kept waiting on a busy machine
         return options;
     }
 

@@ -22,6 +22,7 @@ OrbOptions quiet(int number) {
     OrbOptions options;
     options.node = number;
     options.default_timeout = 20s;
+    options.inter_frame_timeout = 10s;  // threads may be kept waiting on a busy machine
     options.inter_frame_timeout = 20s;  // however busy the machine is
     options.log = [](std::string_view) {};
     return options;

@@ -63,7 +63,7 @@ TEST_F(Groups, CallWithoutGeneratedCodeNamesTheInterfaceThatDeclaresIt) {
 
     const OperationInfo with_result{&lamp_interface, 1, "echo"};
     EXPECT_EQ(error_of([&] { group(one, 5).invoke(with_result, {}); }),
-              (SystemError{SystemErrorKind::bad_operation, Completion::no}));
+              (SystemError{SystemErrorKind::bad_operation, Completion::no, 19}));
 }
 
 TEST_F(Groups, MemberMayLeaveWhileTheGroupIsCalled) {

@@ -9,9 +9,11 @@
 namespace canorb::test {
 namespace {
 
-constexpr SystemError timeout_maybe{SystemErrorKind::timeout, Completion::maybe};
-constexpr SystemError comm_failure_no{SystemErrorKind::comm_failure, Completion::no};
-constexpr SystemError comm_failure_maybe{SystemErrorKind::comm_failure, Completion::maybe};
+constexpr SystemError timeout_maybe{SystemErrorKind::timeout, Completion::maybe, 2};
+constexpr SystemError off_before_sending{SystemErrorKind::comm_failure, Completion::no, 5};
+constexpr SystemError still_off{SystemErrorKind::comm_failure, Completion::no, 4};
+constexpr SystemError off_during_call{SystemErrorKind::comm_failure, Completion::maybe, 6};
+constexpr SystemError given_up{SystemErrorKind::comm_failure, Completion::maybe, 7};
 
 /// Node 1 serves object 1, node 2 calls it; fault scripts know them as node-1 and node-2.
 class Recovery : public World {
@@ -46,12 +48,12 @@ constexpr std::string_view to_bus_off = "frame from node-2 attempt 1..32 at crc.
 
 TEST_F(Recovery, BusOffFailsTheCallAndAfterRecoverTheNextOneWorks) {
     disturb(to_bus_off);
-    EXPECT_EQ(error_of([&] { target().invoke(0, {}); }), comm_failure_no);
+    EXPECT_EQ(error_of([&] { target().invoke(0, {}); }), off_before_sending);
     EXPECT_EQ(client.error_status().state, can::ControllerState::bus_off);
     EXPECT_EQ(client.counters()[Counter::messages_failed], 1U);
     // At once, until somebody asks for recovery.
     const TimePoint now = simulation.now();
-    EXPECT_EQ(error_of([&] { target().invoke(0, {}); }), comm_failure_no);
+    EXPECT_EQ(error_of([&] { target().invoke(0, {}); }), still_off);
     EXPECT_EQ(simulation.now(), now);
     simulation.run_for(1s);
     EXPECT_EQ(client.error_status().state, can::ControllerState::bus_off);
@@ -70,7 +72,7 @@ TEST_F(Recovery, BusOffInAMessageIsMaybe) {
     // The second frame of four, the first is confirmed.
     disturb("frame from node-2 attempt 2..33 at crc.3 flip wire");
     const std::vector<std::uint8_t> octets(20, 1);
-    EXPECT_EQ(error_of([&] { target().invoke(1, octets); }), comm_failure_maybe);
+    EXPECT_EQ(error_of([&] { target().invoke(1, octets); }), off_during_call);
     client.recover();
     simulation.run_for(10ms);
     EXPECT_EQ(target().invoke(1, octets), octets);
@@ -113,7 +115,7 @@ TEST_F(Recovery, AMessageWhoseNextFrameDoesNotGetOutIsStopped) {
     disturb("frame from node-2 attempt 3 at sof cut-off node-2 for 200ms");
     const std::vector<std::uint8_t> octets(60, 1);
     const TimePoint begin = simulation.now();
-    EXPECT_EQ(error_of([&] { target().invoke(1, octets); }), comm_failure_maybe);
+    EXPECT_EQ(error_of([&] { target().invoke(1, octets); }), given_up);
     // Half the inter-frame timeout after its second frame, long before the deadline.
     EXPECT_LT(simulation.now() - begin, 60ms);
     EXPECT_EQ(client.counters()[Counter::messages_stopped], 1U);

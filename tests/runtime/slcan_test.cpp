@@ -16,6 +16,7 @@ class BehindAdapters : public testing::Test {
         OrbOptions options;
         options.node = number;
         options.default_timeout = 20s;
+        options.inter_frame_timeout = 10s;  // threads may be kept waiting on a busy machine
         options.inter_frame_timeout = 20s;  // a loaded machine may stop a thread for long
         options.log = [](std::string_view) {};
         return options;

@@ -14,6 +14,7 @@ OrbOptions quiet(int number) {
     OrbOptions options;
     options.node = number;
     options.default_timeout = 20s;
+    options.inter_frame_timeout = 10s;  // threads may be kept waiting on a busy machine
     options.log = [](std::string_view) {};
     return options;
 }

@@ -21,6 +21,7 @@ class Workers : public testing::Test {
         OrbOptions result;
         result.node = number;
         result.default_timeout = 20s;
+        result.inter_frame_timeout = 10s;  // threads may be kept waiting on a busy machine
         result.worker_threads = workers;
         result.log = [](std::string_view) {};
         return result;

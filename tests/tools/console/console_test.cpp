@@ -12,8 +12,8 @@
 
 #include "canorb/orb.hpp"
 #include "tests/can/bus_server_fixture.hpp"
-#include "tests/support/shell.hpp"
 #include "tests/support/child.hpp"
+#include "tests/support/shell.hpp"
 #include "things.hpp"
 
 namespace canorb::console {
@@ -171,9 +171,9 @@ TEST_F(Console, NamesExceptions) {
     const ShellResult system = call(motor + "start 2");
     EXPECT_THAT(system.output, HasSubstr("NO_PERMISSION (completed YES, minor 9)"));
     EXPECT_EQ(system.exit_code, 1);
-    EXPECT_THAT(call(motor + "start 3").output, HasSubstr("UNKNOWN (completed MAYBE)"));
+    EXPECT_THAT(call(motor + "start 3").output, HasSubstr("UNKNOWN (completed MAYBE, minor 40)"));
     const ShellResult nobody = call("corbaloc:caniop:3/9 limit");
-    EXPECT_THAT(nobody.output, HasSubstr("OBJECT_NOT_EXIST (completed NO)"));
+    EXPECT_THAT(nobody.output, HasSubstr("OBJECT_NOT_EXIST (completed NO, minor 16)"));
     EXPECT_EQ(nobody.exit_code, 1);
     const ShellResult late = canorb("call --timeout 20ms corbaloc:caniop:9/1 _interface");
     EXPECT_THAT(late.output, AllOf(HasSubstr("TIMEOUT (completed "), HasSubstr("--timeout")));
@@ -344,8 +344,8 @@ TEST_F(Console, WatchesUntilCtrlCOrItsTime) {
 
 TEST_F(Console, EndsACallAtOnceOnCtrlC) {
     test::Child caller{{CANORB_CONSOLE, "call", "--bus", address(), "--timeout", "1000s",
-                              "corbaloc:caniop:9/1", "_interface"},
-                             test::Child::Input::terminal};
+                        "corbaloc:caniop:9/1", "_interface"},
+                       test::Child::Input::terminal};
     ASSERT_TRUE(caller.says("Ctrl-C ends it"));
     caller.send_signal(SIGINT);
     EXPECT_EQ(caller.wait(), 130);
@@ -354,8 +354,8 @@ TEST_F(Console, EndsACallAtOnceOnCtrlC) {
 
 TEST_F(Console, SaysThatTheBusWent) {
     test::Child caller{{CANORB_CONSOLE, "call", "--bus", address(), "--timeout", "1000s",
-                              "corbaloc:caniop:9/1", "_interface"},
-                             test::Child::Input::terminal};
+                        "corbaloc:caniop:9/1", "_interface"},
+                       test::Child::Input::terminal};
     test::Child watcher{{CANORB_CONSOLE, "watch", "--bus", address(), "5"}};
     ASSERT_TRUE(caller.says("Ctrl-C ends it"));
     ASSERT_TRUE(watcher.says("watching group 5"));
