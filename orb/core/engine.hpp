@@ -217,7 +217,8 @@ class Engine {
     std::optional<Notice> next_notice() { return notices_.pop(); }
     BufferPool& buffers() { return buffers_; }
 
-    /// Off until turned on. The owner sets its time before call() and send(), which have none.
+    /// Off until turned on. The owner sets its time before call(), send() and cancel(), which have
+    /// none.
     MessageTracer& tracer() { return tracer_; }
     const MessageTracer& tracer() const { return tracer_; }
 

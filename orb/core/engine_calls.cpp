@@ -35,6 +35,7 @@ void Engine::cancel(CallHandle handle) {
     } else if (!call->peer && !call->begun) {
         calls_.discard(*call);  // next_request() passes it over
     } else if (call->message && queue_.withdraw(*call->message)) {
+        if (tracer_.on()) tracer_.withdrawn(*call->message);
         notify(MessageDropped{*call->message});
         calls_.discard(*call);
     } else {

@@ -66,6 +66,8 @@ std::string_view outcome(Trace::Fate fate) {
             break;
         case Trace::Fate::expired:
             return "NOT SENT: its deadline passed";
+        case Trace::Fate::cancelled:
+            return "NOT SENT: its call was cancelled";
         case Trace::Fate::stopped:
             return "STOPPED between two frames";
         case Trace::Fate::failed:

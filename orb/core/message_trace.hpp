@@ -23,11 +23,12 @@ struct MessageTrace {
     enum class Type : std::uint8_t { request, reply, message_error, malformed };
     /// What became of it. Only what goes out can be anything but `done` or `refused`.
     enum class Fate : std::uint8_t {
-        done,     ///< sent to the last frame, received, or handed over locally
-        expired,  ///< its deadline came before it was begun: no frame of it was sent
-        stopped,  ///< given up between two frames
-        failed,   ///< bus-off, or the link went down
-        refused,  ///< in: above max_message; only its first frame was looked at
+        done,       ///< sent to the last frame, received, or handed over locally
+        expired,    ///< its deadline came before it was begun: no frame of it was sent
+        cancelled,  ///< its call was cancelled before it was begun: no frame of it was sent
+        stopped,    ///< given up between two frames
+        failed,     ///< bus-off, or the link went down
+        refused,    ///< in: above max_message; only its first frame was looked at
     };
 
     /// When this node learned of it, on the Orb's clock: for what goes out, when its last frame was

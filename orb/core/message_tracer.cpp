@@ -132,9 +132,17 @@ void MessageTracer::is_oneway() {
 }
 
 void MessageTracer::finished(const caniop::Finished& finished) {
-    const auto found = std::ranges::find(pending_, finished.handle, &Pending::handle);
+    end(finished.handle, fate(finished.outcome));
+}
+
+void MessageTracer::withdrawn(caniop::MessageHandle handle) {
+    end(handle, MessageTrace::Fate::cancelled);
+}
+
+void MessageTracer::end(caniop::MessageHandle handle, MessageTrace::Fate fate) {
+    const auto found = std::ranges::find(pending_, handle, &Pending::handle);
     if (found == pending_.end()) return;
-    found->trace.fate = fate(finished.outcome);
+    found->trace.fate = fate;
     record(std::move(found->trace));
     pending_.erase(found);
 }

@@ -33,12 +33,15 @@ class MessageTracer {
     /// The time of what is recorded next.
     void set_time(TimePoint now) { now_ = now; }
 
-    // ---- out. They are kept until finished().
+    // ---- out. They are kept until finished() or withdrawn(), which each message that was queued
+    // comes to: so there are never more than the transmit queue holds.
 
     void queued(caniop::MessageHandle handle, caniop::Identifier to, Bytes message);
     /// The message queued last is a oneway Request.
     void is_oneway();
     void finished(const caniop::Finished& finished);
+    /// Taken out of the transmit queue, which tells no outcome then: its call was cancelled.
+    void withdrawn(caniop::MessageHandle handle);
 
     // ---- in. `interface` is null where no object of this node is meant.
 
@@ -65,6 +68,7 @@ class MessageTracer {
     };
 
     void record(MessageTrace trace);
+    void end(caniop::MessageHandle handle, MessageTrace::Fate fate);
 
     Counters& counters_;
     std::size_t max_queued_messages_;

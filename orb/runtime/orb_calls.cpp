@@ -73,6 +73,7 @@ bool OrbImpl::wait_for_end(core::CallHandle call, Duration duration) {
 void OrbImpl::cancel_call(core::CallHandle call) {
     const Lock lock{mutex_};
     if (closed_) return;
+    if (engine_.tracer().on()) engine_.tracer().set_time(now());
     engine_.cancel(call);
     collect_notices();
     wake();  // with a message less close() may have waited long enough

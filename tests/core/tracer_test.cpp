@@ -74,6 +74,26 @@ TEST(Tracer, TellsMessagesThatWereGivenUp) {
     }
 }
 
+TEST(Tracer, TellsRequestsOfCancelledCallsOnce) {
+    TestEngine node;
+    node.engine.tracer().turn(true);
+    for (int i = 0; i < 3; ++i) node.engine.cancel(node.call("1801"));
+    Texts texts = traces(node);
+    ASSERT_EQ(texts.size(), 3U);
+    for (const std::string& text : texts) {
+        EXPECT_THAT(text, testing::EndsWith(", operation 2, NOT SENT: its call was cancelled"));
+    }
+    // One that is on its way goes on, and is told as any other.
+    const CallHandle begun = node.call("1801");
+    node.hand_over();
+    node.engine.cancel(begun);
+    EXPECT_THAT(traces(node), testing::IsEmpty());
+    node.transmit();
+    EXPECT_THAT(
+        traces(node),
+        ElementsAre(testing::EndsWith("ABD0     8 octets    1 frame   object 1, operation 2")));
+}
+
 TEST(Tracer, SaysWhatAPeerSentInCharactersThatATerminalCanTake) {
     TestEngine node;
     node.engine.tracer().turn(true);

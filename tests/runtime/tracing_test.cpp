@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <variant>
 #include <vector>
 
 #include "tests/runtime/world.hpp"
@@ -144,13 +145,15 @@ TEST_F(Tracing, MalformedMessagesAndMessageErrors) {
     // Node 4 is a stranger that speaks version 2.
     const auto stranger = bus.attach("stranger");
     ASSERT_TRUE(stranger->set_filters({}));
-    stranger->send(can::Frame::standard(0x464, octets("20 0005 1234 1801 02")));
+    ASSERT_TRUE(std::holds_alternative<can::TransmitHandle>(
+        stranger->send(can::Frame::standard(0x464, octets("20 0005 1234 1801 02")))));
     run();
     EXPECT_THAT(server_lines,
                 ElementsAre("in     4 -> 3        malformed             8 octets    1 frame",
                             "out    3 -> 4        MessageError          3 octets    1 frame"));
     server_lines.clear();
-    stranger->send(can::Frame::standard(0x464, octets("12 0000")));
+    ASSERT_TRUE(std::holds_alternative<can::TransmitHandle>(
+        stranger->send(can::Frame::standard(0x464, octets("12 0000")))));
     run();
     EXPECT_THAT(server_lines,
                 ElementsAre("in     4 -> 3        MessageError          3 octets    1 frame"));

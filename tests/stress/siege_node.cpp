@@ -99,7 +99,7 @@ class Node final : public Siege::PeerServant {
     }
     std::uint32_t callback(std::uint32_t token, std::uint8_t node) override {
         try {
-            return peer(node).with_timeout(200ms).unchecked_narrow<Siege::Peer>().answer(token);
+            return peer(node).with_timeout(patience).unchecked_narrow<Siege::Peer>().answer(token);
         } catch (const SystemException& exception) {
             throw Siege::Broken{exception._repository_id()};
         }

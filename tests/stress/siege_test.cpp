@@ -21,8 +21,8 @@
 #include "siege.hpp"
 #include "tests/can/bus_server_fixture.hpp"
 #include "tests/stress/ledger.hpp"
-#include "tests/support/soak.hpp"
 #include "tests/support/child.hpp"
+#include "tests/support/soak.hpp"
 
 namespace canorb::test::stress {
 namespace {
@@ -62,9 +62,10 @@ class Siege : public testing::Test {
         options.path = directory_.path() + "/bus";
         server_.emplace(std::move(options), set_up);
         bus_ = open_bus("sim:" + directory_.path() + "/bus");
-        orb_.emplace(
-            *bus_,
-            OrbOptions{.node = here, .default_timeout = patience, .log = [](std::string_view) {}});
+        orb_.emplace(*bus_, OrbOptions{.node = here,
+                                       .default_timeout = patience,
+                                       .inter_frame_timeout = patience,
+                                       .log = [](std::string_view) {}});
         loop_ = std::thread{[this] { orb_->run(); }};
         busy_ = busy ? nodes : 0;
         for (int node = 1; node <= nodes; ++node) bring(node);
