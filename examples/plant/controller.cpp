@@ -40,7 +40,8 @@ void Controller::begin_round() {
     conclude(true);
     ++round_;
     send_state();
-    if (round_ % rounds_between_introductions == 1) introduce();
+    // Who does not answer may not know whom to.
+    if (supervisor_.misses_somebody() || round_ % rounds_between_introductions == 1) introduce();
     transmit([this] { sensors_.poll(); });
 }
 

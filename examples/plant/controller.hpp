@@ -21,7 +21,8 @@ namespace plant {
 class Controller {
   public:
     static constexpr std::chrono::milliseconds round_length{500};
-    /// In the first of so many rounds it tells the groups who it is.
+    /// In the first of so many rounds it tells the groups who it is; in every round while it misses
+    /// a sensor.
     static constexpr std::uint64_t rounds_between_introductions = 10;
 
     /// Its groups, as the strings that their members print.

@@ -23,6 +23,11 @@ void Supervisor::end_round() {
     }
 }
 
+bool Supervisor::misses_somebody() const {
+    return sensors_.empty() ||
+           std::ranges::any_of(sensors_, [](const auto& known) { return known.second.stale(); });
+}
+
 Supervisor::Verdict Supervisor::verdict() const {
     if (sensors_.empty()) return {false, "no sensor has answered"};
     for (const auto& [number, sensor] : sensors_) {

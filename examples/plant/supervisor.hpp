@@ -47,6 +47,9 @@ class Supervisor {
     /// Over its limit; what is no number is.
     bool is_over(Variable variable, float value) const { return !(value <= limit(variable)); }
 
+    /// No sensor has answered yet, or one is stale.
+    bool misses_somebody() const;
+
     /// On only when every known sensor answers, there is one at all, and no value is over its
     /// limit: what is not known is taken for dangerous.
     Verdict verdict() const;

@@ -86,12 +86,23 @@ TEST_F(WholePlant, a_sensor_that_dies_is_stale_and_switches_off) {
     EXPECT_THAT(c->panel(), HasSubstr("|!actuators OFF: sensor 12 is silent|"));
     EXPECT_THAT(c->log, HasSubstr("actuators off: sensor 12 is silent\n"));
 
-    // A new one in its place: it answers when it was told whom to answer, in round 11.
+    // A new one in its place: it is told whom to answer in the next round, and the round after it
+    // begins with good news.
     s[1] = sensor(12);
-    rounds(4);
+    rounds(1);
     EXPECT_EQ(on(), all_off);
-    rounds(2);
+    rounds(1);
     EXPECT_EQ(on(), all_on);
+}
+
+TEST_F(WholePlant, a_sensor_that_is_new_is_told_whom_to_answer_within_ten_rounds) {
+    auto late = sensor(13);
+    rounds(8);  // round 10
+    EXPECT_THAT(late->panel(), HasSubstr("|!no controller yet|"));
+    EXPECT_THAT(c->panel(), Not(HasSubstr("sensor 13")));
+    rounds(1);
+    EXPECT_THAT(late->panel(), HasSubstr("| controller node 1|"));
+    EXPECT_THAT(c->panel(), HasSubstr("sensor 13"));
 }
 
 TEST_F(WholePlant, a_sensor_that_is_gone_for_good_is_forgotten) {

@@ -8,7 +8,6 @@
 namespace plant {
 namespace {
 
-
 // Limits: 70 C, 5 bar, 90 %.
 class SupervisorTest : public testing::Test {
   protected:
@@ -26,6 +25,7 @@ class SupervisorTest : public testing::Test {
 TEST_F(SupervisorTest, without_a_sensor_nothing_may_be_on) {
     EXPECT_FALSE(on());
     EXPECT_EQ(reason(), "no sensor has answered");
+    EXPECT_TRUE(supervisor.misses_somebody());
 }
 
 TEST_F(SupervisorTest, a_sensor_within_all_limits_allows_it) {
@@ -84,8 +84,10 @@ TEST_F(SupervisorTest, three_silent_rounds_make_a_sensor_stale) {
     EXPECT_TRUE(on());  // it reported in the first of them
     supervisor.end_round();
     EXPECT_TRUE(supervisor.sensors().at(11).stale());
+    EXPECT_TRUE(supervisor.misses_somebody());
     EXPECT_EQ(reason(), "sensor 11 is silent");
     report(11);
+    EXPECT_FALSE(supervisor.misses_somebody());
     EXPECT_FALSE(supervisor.sensors().at(11).stale());
     EXPECT_TRUE(on());
 }
