@@ -17,6 +17,12 @@ constexpr std::uint32_t answer_to(Token token) {
     return token * 2'654'435'761U ^ 0x5EED5EEDU;
 }
 
+/// Whose answer that is, if it is one.
+constexpr Token token_of(std::uint32_t answer) {
+    return (answer ^ 0x5EED5EEDU) * 244'002'641U;  // the factor's inverse modulo 2^32
+}
+static_assert(token_of(answer_to(12'345)) == 12'345);
+
 /// What the caller was told about the execution of its call.
 enum class Fate : std::uint8_t { open, never, maybe, once };
 
