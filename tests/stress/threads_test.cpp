@@ -152,10 +152,13 @@ TEST_P(Threads, GetRightAnswersOrDocumentedExceptions) {
     // Else it shows nothing. A busy machine has more deadlines pass.
     EXPECT_GT(run.right, run.ledger.size() / 4);
     EXPECT_GT(daemon.faults(), calls / 100);
-    EXPECT_GT(total(nodes, Counter::duplicate_requests), 0U);
     std::uint64_t bus_offs = 0;
     for (const auto& node : nodes) bus_offs += node->bus_offs;
-    EXPECT_GT(bus_offs, 0U);
+    // What is rare need not come in a short run, whose threads are never timed alike.
+    if (soak_factor() >= 10) {
+        EXPECT_GT(total(nodes, Counter::duplicate_requests), 0U);
+        EXPECT_GT(bus_offs, 0U);
+    }
     std::printf("%zu calls, %llu right, %llu faults, %llu times bus-off\n", run.ledger.size(),
                 static_cast<unsigned long long>(run.right),
                 static_cast<unsigned long long>(daemon.faults()),
