@@ -1,19 +1,16 @@
 #include "tools/console/arguments.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <optional>
 #include <set>
 
 #include "orb/ccdr/format.hpp"
 #include "orb/ccdr/nesting.hpp"
-#include "orb/core/reference.hpp"
 #include "orb/giop/message.hpp"
 #include "tools/console/integers.hpp"
 #include "tools/console/literal.hpp"
+#include "tools/console/simple_values.hpp"
 #include "tools/console/type_codes.hpp"
-#include "tools/console/utf16.hpp"
 
 namespace canorb::console {
 namespace {
@@ -35,50 +32,6 @@ bool is_constructed(Kind kind) {
     }
 }
 
-std::string quoted(std::string_view text) {
-    constexpr std::size_t longest = 60;
-    if (text.size() <= longest) return '\'' + std::string{text} + '\'';
-    return '\'' + std::string{text.substr(0, longest)} + "...'";
-}
-
-/// The value as the user wrote it, for a message: in quotes but for numbers.
-std::string shown(const Literal& literal) {
-    const bool is_number = literal.text.find_first_not_of("0123456789+-.e") == std::string::npos &&
-                           literal.text.find_first_of("0123456789") != std::string::npos;
-    switch (literal.form) {
-        case Form::bare:
-            return is_number ? literal.text : quoted(literal.text);
-        case Form::null:
-            return "null";
-        case Form::array:
-            return "an array";
-        case Form::object:
-            return "an object";
-        case Form::boolean:
-        case Form::number:
-            return literal.text;
-        default:
-            return quoted(literal.text);
-    }
-}
-
-/// Digits with at most one point, as a number of so many digits; none is lost.
-std::optional<std::string> fixed_digits_of(std::string_view text, const Type& type) {
-    std::size_t point = std::min(text.find('.'), text.size());
-    std::string whole{text.substr(0, point)};
-    std::string fraction{point < text.size() ? text.substr(point + 1) : ""};
-    if (whole.empty() && fraction.empty()) return std::nullopt;
-    whole.erase(0, std::min(whole.find_first_not_of('0'), whole.size()));
-    while (fraction.size() > type.scale && fraction.back() == '0') fraction.pop_back();
-    if (whole.size() > type.digits - type.scale || fraction.size() > type.scale)
-        return std::nullopt;
-    std::string digits = whole + fraction;
-    if (digits.find_first_not_of("0123456789") != std::string::npos) return std::nullopt;
-    digits.insert(0, type.digits - type.scale - whole.size(), '0');
-    digits.append(type.scale - fraction.size(), '0');
-    return digits;
-}
-
 /// Writes one argument; what is wrong with it is said once.
 class ArgumentWriter {
   public:
@@ -91,34 +44,10 @@ class ArgumentWriter {
     void write(const Type& type, const Literal& value) {
         if (!error_.empty()) return;
         switch (type.kind) {
-            case Kind::boolean:
-                return write_boolean(type, value);
-            case Kind::character:
-                return write_character(type, value);
-            case Kind::wide_character:
-                return write_wide_character(type, value);
-            case Kind::float32:
-                return write_floating<float>(type, value);
-            case Kind::float64:
-                return write_floating<double>(type, value);
-            case Kind::float128:
-                return write_floating<long double>(type, value);
-            case Kind::string:
-                return write_string(type, value);
-            case Kind::wide_string:
-                return write_wide_string(type, value);
-            case Kind::fixed:
-                return write_fixed(type, value);
             case Kind::any:
                 return write_any(type, value);
             case Kind::type_code:
                 return write_type_code(type, value);
-            case Kind::object:
-                return write_reference(type, value);
-            case Kind::enumeration:
-                return write_enumerator(type, value);
-            case Kind::bitmask:
-                return write_flags(type, value);
             case Kind::structure:
                 return write_struct(type, value);
             case Kind::choice:
@@ -131,7 +60,7 @@ class ArgumentWriter {
             case Kind::native:
                 return fail(type, "a native type is never on the bus");
             default:
-                return write_integer(type, value);
+                if (const auto problem = write_simple(out_, type, value)) fail(type, *problem);
         }
     }
 
@@ -150,161 +79,6 @@ class ArgumentWriter {
         path_ += step;
         write();
         path_.resize(size);
-    }
-
-    static bool is_text(const Literal& value) {
-        return value.form == Form::bare || value.form == Form::string;
-    }
-    static bool is_number(const Literal& value) {
-        return value.form == Form::bare || value.form == Form::number;
-    }
-
-    void write_boolean(const Type& type, const Literal& value) {
-        const bool may_be = value.form == Form::bare || value.form == Form::boolean;
-        const bool is_true = value.text == "true" || value.text == "TRUE" || value.text == "1";
-        const bool is_false = value.text == "false" || value.text == "FALSE" || value.text == "0";
-        if (!may_be || (!is_true && !is_false)) return refuse(type, value, "true or false");
-        encode(out_, is_true);
-    }
-
-    void write_integer(const Type& type, const Literal& value) {
-        const IntegerRange range = integer_range(type.kind);
-        const auto bits =
-            is_number(value) ? parse_integer(value.text, range) : std::optional<std::uint64_t>{};
-        if (!bits) return refuse(type, value, range.text());
-        encode_integer(out_, type.kind, *bits);
-    }
-
-    template <typename Float>
-    void write_floating(const Type& type, const Literal& value) {
-        const std::string& text = value.text;
-        Float number{};
-        const char* const end = text.data() + text.size();
-        const auto [rest, error] = std::from_chars(text.data(), end, number);
-        const bool may_be = is_number(value) || value.form == Form::string;  // "nan", "inf"
-        if (may_be && rest == end && error == std::errc::result_out_of_range)
-            return fail(type, text + " is too large, or too close to 0, for this type");
-        if (!may_be || rest != end || error != std::errc{})
-            return refuse(type, value, "a number such as -1.5e3, or inf, -inf or nan");
-        encode(out_, number);
-    }
-
-    void write_fixed(const Type& type, const Literal& value) {
-        const bool may_be = is_number(value) || value.form == Form::string;
-        std::string_view text = value.text;
-        const bool is_negative = text.starts_with('-');
-        if (is_negative || text.starts_with('+')) text.remove_prefix(1);
-        const auto digits = may_be ? fixed_digits_of(text, type) : std::nullopt;
-        if (!digits) {
-            return refuse(type, value,
-                          "a number of at most " + std::to_string(type.digits - type.scale) +
-                              " digits before and " + std::to_string(type.scale) +
-                              " behind the point");
-        }
-        std::vector<std::uint8_t> numbers;
-        for (const char digit : *digits) numbers.push_back(static_cast<std::uint8_t>(digit - '0'));
-        const bool is_zero = digits->find_first_not_of('0') == std::string::npos;
-        fixed_digits::encode(out_, numbers, is_negative && !is_zero);
-    }
-
-    void write_character(const Type& type, const Literal& value) {
-        const std::string& text = value.text;
-        unsigned code = 0;
-        constexpr std::string_view escape = "\\x";
-        constexpr std::size_t escaped_size = 4;
-        const bool is_escaped = text.size() == escaped_size && text.starts_with(escape);
-        if (is_text(value) && is_escaped) {
-            const char* const end = text.data() + text.size();
-            const auto [rest, error] = std::from_chars(text.data() + escape.size(), end, code, 16);
-            if (error == std::errc{} && rest == end)
-                return encode(out_, static_cast<std::uint8_t>(code));
-        }
-        if (!is_text(value) || text.size() != 1)
-            return refuse(type, value, "one character of ASCII, or one octet as \\xE4");
-        encode(out_, text.front());
-    }
-
-    void write_wide_character(const Type& type, const Literal& value) {
-        const auto units = is_text(value) ? to_utf16(value.text) : std::nullopt;
-        if (!units || units->size() != 1)
-            return refuse(type, value, "one character of UTF-16's first plane");
-        encode(out_, units->front());
-    }
-
-    void write_string(const Type& type, const Literal& value) {
-        if (!is_text(value)) return refuse(type, value, "a text in quotes");
-        if (value.text.find('\0') != std::string::npos)
-            return fail(type, "a string cannot have a NUL in it");
-        if (type.bound != 0 && value.text.size() > type.bound) {
-            return fail(type, quoted(value.text) + " has " + std::to_string(value.text.size()) +
-                                  " octets; at most " + std::to_string(type.bound) +
-                                  " are accepted");
-        }
-        out_.string(value.text);
-    }
-
-    void write_wide_string(const Type& type, const Literal& value) {
-        const auto units = is_text(value) ? to_utf16(value.text) : std::nullopt;
-        if (!units) return refuse(type, value, "a text of UTF-8 in quotes");
-        if (units->find(u'\0') != std::u16string::npos)
-            return fail(type, "a wstring cannot have a NUL in it");
-        if (type.bound != 0 && units->size() > type.bound) {
-            return fail(type, quoted(value.text) + " has " + std::to_string(units->size()) +
-                                  " code units; at most " + std::to_string(type.bound) +
-                                  " are accepted");
-        }
-        out_.wide_string(*units);
-    }
-
-    void write_enumerator(const Type& type, const Literal& value) {
-        std::string names;
-        for (const Enumerator& each : type.definition->enumerators) {
-            if (is_text(value) && each.name == value.text)
-                return out_.variable_unsigned(each.number);
-            names += (names.empty() ? "" : ", ") + each.name;
-        }
-        refuse(type, value, "one of " + names);
-    }
-
-    void write_flags(const Type& type, const Literal& value) {
-        const Definition& definition = *type.definition;
-        const IntegerRange range{0, ~std::uint64_t{0} >> (64 - definition.bit_bound)};
-        std::uint64_t bits = 0;
-        bool is_valid = is_text(value) || value.form == Form::number;
-        std::string_view rest = value.text;
-        while (is_valid && !rest.empty()) {
-            const std::size_t end = std::min(rest.find('|'), rest.size());
-            const std::string_view name = rest.substr(0, end);
-            rest.remove_prefix(std::min(end + 1, rest.size()));
-            const auto flag = std::find_if(definition.flags.begin(), definition.flags.end(),
-                                           [&](const Flag& each) { return each.name == name; });
-            const auto number = parse_integer(name, range);
-            is_valid = flag != definition.flags.end() || number.has_value();
-            if (!is_valid) break;
-            bits |= flag != definition.flags.end() ? std::uint64_t{1} << flag->position : *number;
-        }
-        if (is_valid) return encode_integer(out_, kind_of_bitmask(definition), bits);
-        std::string names;
-        for (const Flag& each : definition.flags) names += each.name + ", ";
-        refuse(type, value,
-               names + (names.empty() ? "" : "several of them with | between, or ") +
-                   "a number from " + range.text());
-    }
-
-    void write_reference(const Type& type, const Literal& value) {
-        core::Reference reference;
-        const bool is_nil = value.form == Form::null || (is_text(value) && value.text == "nil");
-        if (!is_nil) {
-            if (!is_text(value)) return refuse(type, value, "a reference in quotes, or nil");
-            auto parsed = core::parse_reference(value.text);
-            if (!parsed) {
-                return fail(type, quoted(value.text) + " is no reference (CAN_IOR:..., " +
-                                      "corbaloc:caniop:NODE/INDEX, corbaloc:caniop:group/GROUP " +
-                                      "or nil): " + std::string{parsed.error().why});
-            }
-            reference = std::move(*parsed);
-        }
-        core::encode(out_, reference);
     }
 
     /// Enters one more level of a value that may contain itself.
@@ -439,7 +213,7 @@ class ArgumentWriter {
         out_.count(size);
         std::set<std::vector<std::uint8_t>> keys;
         for (const auto& [key, part] : value.members) {
-            inside('[' + quoted(key) + ']', [&, &name = key, &element = part] {
+            inside('[' + in_quotes(key) + ']', [&, &name = key, &element = part] {
                 const std::size_t start = out_.size();
                 write(*type.key, {.form = Form::bare, .text = name});
                 const Bytes octets = out_.octets().subspan(start);
@@ -451,7 +225,7 @@ class ArgumentWriter {
     }
 
     std::optional<TypeCode> named_type_code(const Type& type, const Literal& name, Type& named) {
-        const auto found = is_text(name) ? model_.find_type(name.text) : std::nullopt;
+        const auto found = name.is_text() ? model_.find_type(name.text) : std::nullopt;
         if (!found) {
             refuse(type, name, "the name of a type, such as unsigned short or one of the IDL");
             return std::nullopt;
@@ -503,7 +277,7 @@ Result<Literal, std::string> parse_argument(const Type& type, const std::string&
     if (!is_constructed(type.kind)) return Literal{.form = Form::bare, .text = text};
     auto parsed = parse_literal(text);
     if (parsed) return parsed;
-    return Failure{quoted(text) + " is not JSON, which is accepted here: " + parsed.error()};
+    return Failure{in_quotes(text) + " is not JSON, which is accepted here: " + parsed.error()};
 }
 
 }  // namespace

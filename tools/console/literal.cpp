@@ -90,4 +90,30 @@ Result<Literal, std::string> parse_literal(std::string_view json) {
     return builder.take();
 }
 
+std::string in_quotes(std::string_view text) {
+    constexpr std::size_t longest = 60;
+    if (text.size() <= longest) return '\'' + std::string{text} + '\'';
+    return '\'' + std::string{text.substr(0, longest)} + "...'";
+}
+
+std::string shown(const Literal& literal) {
+    const bool is_number = literal.text.find_first_not_of("0123456789+-.e") == std::string::npos &&
+                           literal.text.find_first_of("0123456789") != std::string::npos;
+    switch (literal.form) {
+        case Form::bare:
+            return is_number ? literal.text : in_quotes(literal.text);
+        case Form::null:
+            return "null";
+        case Form::array:
+            return "an array";
+        case Form::object:
+            return "an object";
+        case Form::boolean:
+        case Form::number:
+            return literal.text;
+        default:
+            return in_quotes(literal.text);
+    }
+}
+
 }  // namespace canorb::console

@@ -27,9 +27,19 @@ struct Literal {
     std::string text{};
     std::vector<Literal> elements{};
     std::vector<std::pair<std::string, Literal>> members{};
+
+    /// Whether it may be meant as such.
+    bool is_text() const { return form == Form::bare || form == Form::string; }
+    bool is_number() const { return form == Form::bare || form == Form::number; }
 };
 
 /// A JSON text. The error is the reason why it is none, for people.
 Result<Literal, std::string> parse_literal(std::string_view json);
+
+/// In quotes; of a long text the beginning.
+std::string in_quotes(std::string_view text);
+
+/// The value as the user wrote it, for a message: in quotes but for numbers.
+std::string shown(const Literal& literal);
 
 }  // namespace canorb::console
