@@ -14,7 +14,7 @@ namespace {
 
 class PumpImpl final : public Plant::PumpServant {
   public:
-    Plant::Origin origin() override { return {"Acme", canorb::Node::ControllerState::STOPPED}; }
+    Plant::Origin made_by() override { return {"Acme", canorb::Node::ControllerState::STOPPED}; }
     float start(std::uint16_t speed) override {
         if (speed > 3000) throw Plant::Dry{"inlet"};
         return static_cast<float>(speed) / 2;
@@ -65,7 +65,7 @@ int main() {
     pump.label("north");
     good &= holds(pump.label() == "north", "the attribute kept its value");
 
-    good &= holds(pump.origin().maker == "Acme", "its own type has one of the node's in it");
+    good &= holds(pump.made_by().maker == "Acme", "its own type has one of the node's in it");
     const auto node = client.string_to_object("corbaloc:caniop:3/0").narrow<canorb::Node>();
     good &= holds(node.identity().name == "pump-3", "the node told its name");
     const auto objects = node.active_objects(1, canorb::Node::OBJECTS_PER_PAGE);
