@@ -117,7 +117,6 @@ TEST_F(Workers, NestedCallsDoNotBlockEachOther) {
 }
 
 TEST_F(Workers, CallbacksRunOneAtATime) {
-    Orb orb{*bus, options(1, 4)};
     std::atomic<int> inside = 0;
     std::atomic<bool> overlapped = false;
     std::atomic<int> runs = 0;
@@ -128,6 +127,7 @@ TEST_F(Workers, CallbacksRunOneAtATime) {
         --inside;
         if (++runs == 50) enough.count_down();
     };
+    Orb orb{*bus, options(1, 4)};  // its workers call back until it is gone
     orb.every(100us, callback);
     orb.every(130us, callback);
     enough.wait();
