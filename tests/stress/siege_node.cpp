@@ -74,6 +74,8 @@ class Node final : public Siege::PeerServant {
                 ++failed_[index];
             } catch (const OBJECT_NOT_EXIST&) {
                 ++failed_[index];
+            } catch (const TRANSIENT&) {  // its calls are nested too deep: it is slow
+                ++failed_[index];
             } catch (const Siege::Broken&) {  // the call back to this node took too long
                 ++failed_[index];
             } catch (const std::exception& exception) {
