@@ -3,6 +3,7 @@
 
 #include <deque>
 
+#include "tests/runtime/forwarding_controller.hpp"
 #include "tests/runtime/world.hpp"
 
 namespace canorb::test {
@@ -17,26 +18,13 @@ struct Plan {
     int seen = 0;
 };
 
-class FaultyController final : public can::Controller {
+class FaultyController final : public ForwardingController {
   public:
     FaultyController(std::unique_ptr<can::Controller> real, Plan& plan)
-        : real_(std::move(real)), plan_(plan) {}
-
-    can::Capabilities capabilities() const override { return real_->capabilities(); }
-    can::SendResult send(const can::Frame& frame, can::SendOptions options) override {
-        return real_->send(frame, options);
-    }
-    void abort(can::TransmitHandle handle) override { real_->abort(handle); }
-    bool set_filters(std::span<const can::Filter> filters) override {
-        return real_->set_filters(filters);
-    }
-    bool set_listen_only(bool on) override { return real_->set_listen_only(on); }
-    can::ErrorStatus error_status() const override { return real_->error_status(); }
-    std::optional<std::string> recover() override { return real_->recover(); }
-    int event_fd() const override { return real_->event_fd(); }
+        : ForwardingController(std::move(real)), plan_(plan) {}
 
     std::optional<can::ControllerEvent> poll() override {
-        while (auto event = real_->poll()) {
+        while (auto event = ForwardingController::poll()) {
             if (!std::holds_alternative<can::Received>(*event)) {
                 ready_.push_back(*event);
                 continue;
@@ -59,7 +47,6 @@ class FaultyController final : public can::Controller {
     }
 
   private:
-    std::unique_ptr<can::Controller> real_;
     Plan& plan_;
     std::deque<can::ControllerEvent> ready_;
     std::optional<can::ControllerEvent> held_;

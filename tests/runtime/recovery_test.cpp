@@ -4,6 +4,7 @@
 
 #include "orb/can/sim/fault_injector.hpp"
 #include "orb/runtime/simulation_impl.hpp"
+#include "tests/runtime/forwarding_controller.hpp"
 #include "tests/runtime/world.hpp"
 
 namespace canorb::test {
@@ -146,36 +147,26 @@ TEST_F(Recovery, ANodeAloneOnTheBusIsHeardWhenSomebodyComes) {
 
 /// Has room for one frame at a time, although it says that there is more: as a CAN interface whose
 /// queue is full with other programs' frames (ENOBUFS).
-class CrowdedController final : public can::Controller {
+class CrowdedController final : public ForwardingController {
   public:
     CrowdedController(std::unique_ptr<can::Controller> real, int& refused)
-        : real_(std::move(real)), refused_(refused) {}
+        : ForwardingController(std::move(real)), refused_(refused) {}
 
-    can::Capabilities capabilities() const override { return real_->capabilities(); }
     can::SendResult send(const can::Frame& frame, can::SendOptions options) override {
         if (occupied_) {
             ++refused_;
             return can::SendError::full;
         }
         occupied_ = true;
-        return real_->send(frame, options);
+        return ForwardingController::send(frame, options);
     }
-    void abort(can::TransmitHandle handle) override { real_->abort(handle); }
-    bool set_filters(std::span<const can::Filter> filters) override {
-        return real_->set_filters(filters);
-    }
-    bool set_listen_only(bool on) override { return real_->set_listen_only(on); }
-    can::ErrorStatus error_status() const override { return real_->error_status(); }
-    std::optional<std::string> recover() override { return real_->recover(); }
-    int event_fd() const override { return real_->event_fd(); }
     std::optional<can::ControllerEvent> poll() override {
-        auto event = real_->poll();
+        auto event = ForwardingController::poll();
         if (event && std::holds_alternative<can::TransmitResult>(*event)) occupied_ = false;
         return event;
     }
 
   private:
-    std::unique_ptr<can::Controller> real_;
     int& refused_;
     bool occupied_ = false;
 };
