@@ -18,7 +18,7 @@ constexpr auto causes = std::to_array<Described>({
     {cause::expired_behind_local_calls, "the deadline passed behind other calls of this node"},
     {cause::link_down, "the bus is off or the link is down"},
     {cause::link_failed_before_sending,
-     "the bus went off or the link down before anything was sent"},
+     "the bus went off or the link down before the call was begun"},
     {cause::link_failed_during_call, "the bus went off or the link down during the call"},
     {cause::sending_stopped, "the message was given up between two of its frames"},
     {cause::peer_sent_message_error, "the peer did not understand a message"},

@@ -57,9 +57,10 @@ struct StateChanged {
     TimePoint time;
 };
 
-/// The link lost received frames: a full receive buffer, an overrun, a slow client.
+/// The link lost received frames: a full receive buffer, an overrun, a slow client. Or it may have:
+/// an error passive controller could not read a frame, and cannot have it repeated.
 struct FramesLost {
-    std::uint64_t count;  ///< at least this many
+    std::uint64_t count;  ///< at least this many; 0: perhaps none
     TimePoint time;
 };
 

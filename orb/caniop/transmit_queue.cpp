@@ -173,7 +173,6 @@ TransmitQueue::Position TransmitQueue::finish(Position message, MessageOutcome o
     finished_.push_back({.handle = message->handle,
                          .outcome = outcome,
                          .begun = message->handed_over > 0,
-                         .any_frame_confirmed = message->confirmed > 0,
                          .time = time});
     return erase(message);
 }

@@ -45,8 +45,7 @@ enum class MessageOutcome : std::uint8_t {
 struct Finished {
     MessageHandle handle;
     MessageOutcome outcome;
-    bool begun;                ///< a frame had gone to the controller
-    bool any_frame_confirmed;  ///< a frame was on the bus for certain
+    bool begun;      ///< a frame had gone to the controller: others may have it
     TimePoint time;  ///< `sent`: end of its last frame on the bus's clock; else the `now` given
 };
 

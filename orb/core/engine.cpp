@@ -250,8 +250,9 @@ void Engine::on_event(const can::ControllerEvent& event, TimePoint now) {
     } else if (const auto* change = std::get_if<can::StateChanged>(&event)) {
         on_state(*change, now);
     } else if (const auto* loss = std::get_if<can::FramesLost>(&event)) {
-        counters_.add(Counter::frames_lost_by_link, loss->count);
         reassembler_.drop_all();
+        if (loss->count == 0) return;
+        counters_.add(Counter::frames_lost_by_link, loss->count);
         notify(LinkLostFrames{*loss});
     }
 }
@@ -484,9 +485,8 @@ void Engine::collect_finished() {
             case caniop::MessageOutcome::failed:
                 counters_.add(Counter::messages_failed);
                 if (call != nullptr) {
-                    calls_.end(*call, finished->any_frame_confirmed
-                                          ? cause::link_failed_during_call
-                                          : cause::link_failed_before_sending);
+                    calls_.end(*call, finished->begun ? cause::link_failed_during_call
+                                                      : cause::link_failed_before_sending);
                 }
                 break;
         }

@@ -195,6 +195,7 @@ bool OrbImpl::refuse_nested(TimePoint now) {
         engine_.buffers().release(std::move(request->parameters));
         any = true;
     }
+    if (any) wake();  // a caller of an object of this node has its answer
     return any;
 }
 

@@ -80,8 +80,6 @@ std::string OrbImpl::run_callback(Lock& lock, std::function<void()> code) {
     const auto before = user_code_.begin_callback();
     std::string failure = run_user_code(lock, std::move(code));
     user_code_.end_callback(before);
-    // Others may go on with callbacks, which they could not a moment ago.
-    wake();
     return failure;
 }
 
@@ -99,7 +97,8 @@ std::string OrbImpl::run_user_code(Lock& lock, std::function<void()> code) {
     code = nullptr;  // here, because what it holds may call this ORB when it goes
     lock.lock();
     user_code_.end();
-    // Other threads may run user code now, and may have a deadline that was not there before.
+    // Other threads may run user code and callbacks once the mutex is released, and may have a
+    // deadline that was not there before.
     wake();
     return failure;
 }

@@ -73,6 +73,25 @@ TEST(EventQueue, LossesBeforeAndAfterAFrameAreToldApart) {
     EXPECT_EQ(id_of(queue.pop()), 6U);
 }
 
+TEST(EventQueue, DoubtsFoldIntoOneEventAndIntoALoss) {
+    EventQueue queue{1};
+    queue.push_doubt(TimePoint{1ms});
+    queue.push(change(ControllerState::error_passive));
+    queue.push_doubt(TimePoint{2ms});
+    queue.push(change(ControllerState::error_passive));
+    queue.push(received(1));
+    queue.push_doubt(TimePoint{3ms});
+    queue.push(received(2));
+    const auto doubt = queue.pop();
+    EXPECT_EQ(lost_of(doubt), 0U);
+    EXPECT_EQ(std::get<FramesLost>(doubt.value()).time, TimePoint{1ms});
+    EXPECT_TRUE(std::holds_alternative<StateChanged>(queue.pop().value()));
+    EXPECT_EQ(id_of(queue.pop()), 1U);
+    EXPECT_EQ(lost_of(queue.pop()), 1U);
+    EXPECT_TRUE(queue.empty());
+    EXPECT_EQ(queue.lost(), 1U);
+}
+
 TEST(EventQueue, ALossAfterItsEventWasTakenIsANewEvent) {
     EventQueue queue{1};
     queue.push(received(1));

@@ -100,6 +100,9 @@ TEST(SocketCanErrors, Counters) {
 TEST(SocketCanErrors, WhatWasLost) {
     EXPECT_TRUE(error(0x04, "0001000000000000").receive_overflow);
     EXPECT_FALSE(error(0x04, "0002000000000000").receive_overflow) << "that is the transmitter";
+    EXPECT_TRUE(error(0x88, "0000040000000000").receive_error) << "a stuff error";
+    EXPECT_FALSE(error(0x88, "0000840000000000").receive_error) << "that is the transmitter";
+    EXPECT_FALSE(error(0x04, "0000040000000000").receive_error) << "not what data[2] is about";
     EXPECT_TRUE(error(0x01).transmit_timeout);
     EXPECT_FALSE(error(0x40).transmit_timeout);
 }

@@ -84,8 +84,7 @@ class TransmitQueueTest : public testing::Test {
                 {MessageOutcome::stopped, "stopped"},
                 {MessageOutcome::failed, "failed"}};
             outcomes.push_back(std::to_string(static_cast<std::uint64_t>(one->handle)) + " " +
-                               names.at(one->outcome) + (one->begun ? " begun" : "") +
-                               (one->any_frame_confirmed ? " confirmed" : ""));
+                               names.at(one->outcome) + (one->begun ? " begun" : ""));
             last_time = one->time;
         }
         return outcomes;
@@ -111,7 +110,7 @@ TEST_F(TransmitQueueTest, SendsAMessageOfOneFrame) {
     EXPECT_TRUE(queue.begun(handle));
     EXPECT_THAT(finished(), IsEmpty());
     confirm(at(3ms));
-    EXPECT_THAT(finished(), ElementsAre("1 sent begun confirmed"));
+    EXPECT_THAT(finished(), ElementsAre("1 sent begun"));
     EXPECT_EQ(last_time, at(3ms));
     EXPECT_EQ(queue.size(), 0U);
     EXPECT_EQ(queue.next_deadline(), never);
@@ -126,7 +125,7 @@ TEST_F(TransmitQueueTest, SendsTheFramesOfAMessageInOrderTwoAtATime) {
     confirm();
     EXPECT_THAT(finished(), IsEmpty());
     confirm();
-    EXPECT_THAT(finished(), ElementsAre("1 sent begun confirmed"));
+    EXPECT_THAT(finished(), ElementsAre("1 sent begun"));
 }
 
 TEST_F(TransmitQueueTest, SendsTheLowestIdentifierFirst) {
@@ -159,7 +158,7 @@ TEST_F(TransmitQueueTest, AnUrgentMessageWaitsForNoMoreThanTheFramesInTheControl
     confirm();
     EXPECT_THAT(pump(), ElementsAre("465:8222222222222222"));
     confirm();
-    EXPECT_THAT(finished(), ElementsAre("2 sent begun confirmed"));
+    EXPECT_THAT(finished(), ElementsAre("2 sent begun"));
 }
 
 TEST_F(TransmitQueueTest, AFrameThatTheControllerDidNotTakeStaysUnlessOneIsMoreUrgent) {
@@ -184,7 +183,7 @@ TEST_F(TransmitQueueTest, WithdrawsOnlyWhatIsNotBegun) {
     EXPECT_THAT(pump(), ElementsAre("465:8111"));
     confirm();
     confirm();
-    EXPECT_THAT(finished(), ElementsAre("1 sent begun confirmed"));
+    EXPECT_THAT(finished(), ElementsAre("1 sent begun"));
     EXPECT_THAT(pump(), IsEmpty());
 }
 
@@ -219,7 +218,7 @@ TEST_F(TransmitQueueTest, SendsAMessageOnceBegunToItsEndPastItsDeadline) {
     EXPECT_THAT(pump(at(12ms)), ElementsAre("465:8211"));
     confirm(at(13ms));
     confirm(at(14ms));
-    EXPECT_THAT(finished(), ElementsAre("1 sent begun confirmed"));
+    EXPECT_THAT(finished(), ElementsAre("1 sent begun"));
 }
 
 TEST_F(TransmitQueueTest, TheFirstFrameMayWaitInTheControllerForAsLongAsItTakes) {
@@ -241,7 +240,7 @@ TEST_F(TransmitQueueTest, StopsAMessageWhoseNextFrameStaysInTheController) {
     EXPECT_THAT(finished(), IsEmpty());
     EXPECT_THAT(aborts(), IsEmpty());
     queue.expire(at(51ms));
-    EXPECT_THAT(finished(), ElementsAre("1 stopped begun confirmed"));
+    EXPECT_THAT(finished(), ElementsAre("1 stopped begun"));
     EXPECT_THAT(aborts(), ElementsAre(2U, 3U));
     EXPECT_THAT(aborts(), IsEmpty());
     // The controller still holds both frames; only their results make room.
@@ -251,7 +250,7 @@ TEST_F(TransmitQueueTest, StopsAMessageWhoseNextFrameStaysInTheController) {
     confirm(at(53ms));  // too late to be aborted: on the bus all the same
     EXPECT_THAT(finished(), IsEmpty());
     confirm(at(54ms));
-    EXPECT_THAT(finished(), ElementsAre("2 sent begun confirmed"));
+    EXPECT_THAT(finished(), ElementsAre("2 sent begun"));
 }
 
 TEST_F(TransmitQueueTest, StopsAMessageWhoseNextFrameFindsNoPlaceInTheController) {
@@ -260,7 +259,7 @@ TEST_F(TransmitQueueTest, StopsAMessageWhoseNextFrameFindsNoPlaceInTheController
     confirm(at(1ms));
     EXPECT_TRUE(queue.next_frame(at(30ms)));  // full: not handed over
     queue.expire(at(51ms));
-    EXPECT_THAT(finished(), ElementsAre("1 stopped begun confirmed"));
+    EXPECT_THAT(finished(), ElementsAre("1 stopped begun"));
     EXPECT_THAT(aborts(), IsEmpty());
     EXPECT_FALSE(queue.next_frame(at(51ms)));
 }
@@ -289,9 +288,9 @@ TEST_F(TransmitQueueTest, FailsEverythingAtBusOff) {
     pump();
     confirm();  // the first frame of 0x11
     pump();
-    EXPECT_THAT(finished(), ElementsAre("3 sent begun confirmed"));
+    EXPECT_THAT(finished(), ElementsAre("3 sent begun"));
     queue.fail_all(at(7ms));
-    EXPECT_THAT(finished(), ElementsAre("1 failed begun confirmed", "2 failed"));
+    EXPECT_THAT(finished(), ElementsAre("1 failed begun", "2 failed"));
     EXPECT_EQ(last_time, at(7ms));
     EXPECT_EQ(queue.next_deadline(), never);
     EXPECT_THAT(aborts(), ElementsAre(3U, 4U));
@@ -306,7 +305,7 @@ TEST_F(TransmitQueueTest, FailsEverythingAtBusOff) {
     EXPECT_THAT(finished(), IsEmpty());
     confirm();
     confirm();
-    EXPECT_THAT(finished(), ElementsAre("4 sent begun confirmed", "5 sent begun confirmed"));
+    EXPECT_THAT(finished(), ElementsAre("4 sent begun", "5 sent begun"));
 }
 
 TEST_F(TransmitQueueTest, BusOffAfterAStopLeavesNothingInTheController) {
@@ -343,7 +342,7 @@ TEST_F(TransmitQueueLimits, RefusesMoreMessagesAndHoldsAPlaceUntilTheOutcomeIsFe
     EXPECT_EQ(pump().size(), 1U);
     confirm();
     EXPECT_FALSE(queue.enqueue(urgent, message(0x44, 1), never));
-    EXPECT_THAT(finished(), ElementsAre("1 sent begun confirmed"));
+    EXPECT_THAT(finished(), ElementsAre("1 sent begun"));
     EXPECT_TRUE(queue.enqueue(urgent, message(0x44, 1), never));
 }
 

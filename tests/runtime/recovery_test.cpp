@@ -11,7 +11,6 @@ namespace canorb::test {
 namespace {
 
 constexpr SystemError timeout_maybe{SystemErrorKind::timeout, Completion::maybe, 2};
-constexpr SystemError off_before_sending{SystemErrorKind::comm_failure, Completion::no, 5};
 constexpr SystemError still_off{SystemErrorKind::comm_failure, Completion::no, 4};
 constexpr SystemError off_during_call{SystemErrorKind::comm_failure, Completion::maybe, 6};
 constexpr SystemError given_up{SystemErrorKind::comm_failure, Completion::maybe, 7};
@@ -49,7 +48,7 @@ constexpr std::string_view to_bus_off = "frame from node-2 attempt 1..32 at crc.
 
 TEST_F(Recovery, BusOffFailsTheCallAndAfterRecoverTheNextOneWorks) {
     disturb(to_bus_off);
-    EXPECT_EQ(error_of([&] { target().invoke(0, {}); }), off_before_sending);
+    EXPECT_EQ(error_of([&] { target().invoke(0, {}); }), off_during_call);
     EXPECT_EQ(client.error_status().state, can::ControllerState::bus_off);
     EXPECT_EQ(client.counters()[Counter::messages_failed], 1U);
     // At once, until somebody asks for recovery.
@@ -79,6 +78,58 @@ TEST_F(Recovery, BusOffInAMessageIsMaybe) {
     EXPECT_EQ(target().invoke(1, octets), octets);
     EXPECT_EQ(servant.calls, 1);
     EXPECT_EQ(server->counters()[Counter::interrupted_messages], 1U);
+}
+
+TEST_F(Recovery, BusOffOfAFrameThatWasNotConfirmedIsMaybe) {
+    // All receivers take it, and its sender alone sees an error in its last bit; it repeats it
+    // until it is off.
+    disturb(
+        "frame from node-2 attempt 1 at eof.7 dominant node-2\n"
+        "frame from node-2 attempt 2..32 at crc.3 flip wire");
+    TestServant slow{{{0, [&](ServerCall& call) {
+                           server->run_for(20ms);  // else the answer would come before
+                           nothing(call);
+                       }}}};
+    server->root_poa().activate_object_with_id(2, slow);
+    EXPECT_EQ(error_of([&] { at(client, 1, 2).invoke(0, {}); }), off_during_call);
+    EXPECT_EQ(slow.calls, 1);
+}
+
+TEST_F(Recovery, WhatAnErrorPassiveReceiverLosesMakesNoWrongMessage) {
+    static constexpr OperationInfo open{&lamp_interface, 1, "open", true, true};
+    static constexpr OperationInfo close{&lamp_interface, 2, "close", true, true};
+    std::vector<std::string> executed;
+    const auto note = [&](std::string_view operation) {
+        return [&executed, operation](ServerCall& call) {
+            executed.push_back(std::string{operation} + " " +
+                               std::to_string(call.remaining_parameters().front()));
+        };
+    };
+    TestServant valve{{{1, note("open")}, {2, note("close")}}};
+    server->root_poa().activate_object_with_id(2, valve);
+    OrbOptions with_gap = node(4);
+    with_gap.continuation_gap = 500us;
+    Orb sender{bus, with_gap};
+    const ObjectRef remote = at(sender, 1, 2);
+
+    disturb("frame from node-1 attempt 1..20 at crc.3 flip wire");
+    target().invoke(0, {});
+    ASSERT_EQ(server->error_status().state, can::ControllerState::error_passive);
+
+    // Two messages of two frames. Node 1 alone cannot read the end of the first; its error flag is
+    // recessive, so nobody repeats it, and lasts into the beginning of the second, which is lost,
+    // too.
+    disturb("frame from node-4 attempt 2 at crc.3 flip node-1");
+    call_through(remote, open, std::vector<std::uint8_t>{1, 0, 0});
+    call_through(remote, close, std::vector<std::uint8_t>{2, 0, 0});
+    simulation.run_for(10ms);
+    EXPECT_THAT(executed, testing::IsEmpty());
+    EXPECT_EQ(server->counters()[Counter::partials_lost_with_frames], 1U);
+    EXPECT_EQ(server->counters()[Counter::continuations_without_message], 1U);
+
+    call_through(remote, close, std::vector<std::uint8_t>{3, 0, 0});
+    simulation.run_for(10ms);
+    EXPECT_THAT(executed, testing::ElementsAre("close 3"));
 }
 
 TEST_F(Recovery, WhatWasQueuedAtBusOffIsNotSentAfterIt) {

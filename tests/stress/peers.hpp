@@ -166,7 +166,7 @@ class Node final : private Stress::PeerServant {
     /// Any operation of any peer.
     void call_anyone(Random& random, Duration timeout) {
         const int peer = 1 + static_cast<int>(below(random, nodes));
-        switch (below(random, 13)) {
+        switch (below(random, 16)) {
             case 0:
                 refuse_at(peer, timeout);
                 break;
@@ -191,6 +191,13 @@ class Node final : private Stress::PeerServant {
             case 9:
             case 10:
                 knock_at(peer, timeout);
+                break;
+            case 11:
+            case 12:
+                two_at_once(peer, timeout);
+                break;
+            case 13:
+                cancel_at(peer, timeout);
                 break;
             default:
                 answer_at(peer, timeout);
@@ -250,6 +257,25 @@ class Node final : private Stress::PeerServant {
                            std::make_reverse_iterator(sent.begin())),
                 token, "another's load");
         });
+    }
+    /// The second ends, or is waited for, before the first is asked for.
+    void two_at_once(int peer, Duration timeout) {
+        const auto asynchronously = [&](Token first, Duration first_time) {
+            auto early = to(peer, first_time).sendp_answer(first);
+            answer_later(peer, timeout);
+            expect_answer(early.get(), first);
+        };
+        perform(Manner::two_way, bit(peer), timeout, asynchronously, true);
+    }
+    void answer_later(int peer, Duration timeout) {
+        perform(Manner::two_way, bit(peer), timeout, [&](Token token, Duration time) {
+            expect_answer(to(peer, time).sendp_answer(token).get(), token);
+        });
+    }
+    /// Its end is never heard of.
+    void cancel_at(int peer, Duration timeout) {
+        perform(Manner::queued, bit(peer), timeout,
+                [&](Token token, Duration time) { to(peer, time).sendp_answer(token).cancel(); });
     }
     void refuse_at(int peer, Duration timeout) {
         perform(Manner::two_way, bit(peer), timeout, [&](Token token, Duration time) {

@@ -163,7 +163,9 @@ bool take_all(can::Controller& controller, Watcher& watcher) {
         if (const auto* const received = std::get_if<can::Received>(&*event)) {
             watcher.take(*received);
         } else if (const auto* const lost = std::get_if<can::FramesLost>(&*event)) {
-            say("at least " + std::to_string(lost->count) + " frames were lost");
+            if (lost->count > 0) {
+                say("at least " + std::to_string(lost->count) + " frames were lost");
+            }
             watcher.frames_lost();
         } else if (const auto* const changed = std::get_if<can::StateChanged>(&*event)) {
             if (changed->status.state != can::ControllerState::stopped) continue;

@@ -340,6 +340,11 @@ void SocketCanController::take_error(const can_frame& frame) {
     if (report.rec) status.rec = *report.rec;
     if (report.state) status.state = *report.state;
     enter_state(status);
+    // Nobody sees its error flag, so nobody repeats what it alone could not read. Told where the
+    // interface reports bus errors (berr-reporting on).
+    if (report.receive_error && status_.state == ControllerState::error_passive) {
+        tell(FramesLost{0, monotonic_now()});
+    }
 }
 
 // ---- the interface

@@ -12,8 +12,8 @@ constexpr std::uint32_t has_counters = 0x00000200U;
 
 }  // namespace
 
-static_assert(wanted_errors ==
-              (CAN_ERR_TX_TIMEOUT | CAN_ERR_CRTL | CAN_ERR_BUSOFF | CAN_ERR_RESTARTED));
+static_assert(wanted_errors == (CAN_ERR_TX_TIMEOUT | CAN_ERR_CRTL | CAN_ERR_PROT | CAN_ERR_BUSOFF |
+                                CAN_ERR_RESTARTED));
 
 can_frame to_socketcan(const Frame& frame) {
     can_frame out{};
@@ -45,6 +45,8 @@ can_filter to_socketcan(const Filter& filter) {
 ErrorReport parse_error(const can_frame& frame) {
     ErrorReport report;
     report.transmit_timeout = (frame.can_id & CAN_ERR_TX_TIMEOUT) != 0;
+    report.receive_error =
+        (frame.can_id & CAN_ERR_PROT) != 0 && (frame.data[2] & CAN_ERR_PROT_TX) == 0;
     if ((frame.can_id & CAN_ERR_CRTL) != 0) {
         const std::uint8_t what = frame.data[1];
         report.receive_overflow = (what & CAN_ERR_CRTL_RX_OVERFLOW) != 0;

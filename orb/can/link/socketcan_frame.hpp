@@ -22,6 +22,7 @@ struct ErrorReport {
     std::optional<ControllerState> state;  ///< the new one
     bool transmit_timeout = false;         ///< the driver gave up what it had to send
     bool receive_overflow = false;         ///< the controller lost received frames
+    bool receive_error = false;            ///< it could not read a frame
     std::optional<std::uint8_t> tec;
     std::optional<std::uint8_t> rec;
 };
@@ -30,6 +31,7 @@ ErrorReport parse_error(const can_frame& frame);
 /// The classes of error message frames that parse_error() makes something of.
 inline constexpr can_err_mask_t wanted_errors = 0x00000001U     // CAN_ERR_TX_TIMEOUT
                                                 | 0x00000004U   // CAN_ERR_CRTL
+                                                | 0x00000008U   // CAN_ERR_PROT
                                                 | 0x00000040U   // CAN_ERR_BUSOFF
                                                 | 0x00000100U;  // CAN_ERR_RESTARTED
 

@@ -24,11 +24,13 @@ void EventQueue::push(const Received& received) {
         return;
     }
     ++lost_;
-    if (open_loss_) {
-        ++std::get_if<FramesLost>(&at(*open_loss_))->count;
-        return;
-    }
-    append(FramesLost{1, received.time});
+    push_doubt(received.time);
+    ++std::get_if<FramesLost>(&at(*open_loss_))->count;
+}
+
+void EventQueue::push_doubt(TimePoint time) {
+    if (open_loss_) return;
+    append(FramesLost{0, time});
     open_loss_ = size_ - 1;
 }
 

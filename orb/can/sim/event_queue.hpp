@@ -23,6 +23,8 @@ class EventQueue {
     void push(const Received& received);
     void push(const TransmitResult& result);
     void push(const StateChanged& change);
+    /// A frame that could not be read, and may not be repeated: FramesLost with a count of 0.
+    void push_doubt(TimePoint time);
 
     std::optional<ControllerEvent> pop();
 
