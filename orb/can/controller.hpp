@@ -97,12 +97,21 @@ struct SendOptions {
     bool one_shot = false;  ///< do not repeat after an error or a lost arbitration
 };
 
+/// Who is to be woken. Any thread.
+class Waker {
+  public:
+    virtual void wake() noexcept = 0;
+
+  protected:
+    ~Waker() = default;
+};
+
 /// A CAN controller: the seam between the ORB and every link (in-process, simulated bus,
 /// SocketCAN, serial adapter). Frames with one identifier leave in the order of their send();
 /// among those that wait in the mailboxes the lowest identifier leaves first, except where
 /// Capabilities::fifo says otherwise.
 ///
-/// No function blocks and none calls back. A link that other threads feed makes every function
+/// No function blocks, and none calls back but a Waker. A link that other threads feed makes every function
 /// safe to call from any thread; one consumer at a time takes events.
 class Controller {
   public:
@@ -144,6 +153,10 @@ class Controller {
     /// A file descriptor that is readable while poll() may have an event, or -1 where there is
     /// none (a virtual bus). Valid as long as the controller; do not read from it.
     virtual int event_fd() const = 0;
+
+    /// Wakes `waker`, too, when poll() may have an event, from then on and as long as the controller
+    /// exists; cheaper than a descriptor inside a process. False: it does not.
+    [[nodiscard]] virtual bool wake_with(Waker& /*waker*/) { return false; }
 
   protected:
     Controller() = default;

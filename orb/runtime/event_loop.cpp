@@ -1,7 +1,5 @@
 // OrbImpl: the event loop, and how threads wait in it.
 
-#include <poll.h>
-
 #include <algorithm>
 
 #include "orb/poa/servant.hpp"
@@ -74,26 +72,24 @@ bool OrbImpl::wait(Lock& lock, Role role, TimePoint deadline, const Condition& d
 }
 
 void OrbImpl::lead(Lock& lock, TimePoint until) {
-    const TimePoint time = now();
-    timespec timeout{};
-    if (until != never && until > time) {
-        const auto nanoseconds = (until - time).count();
-        timeout.tv_sec = static_cast<time_t>(nanoseconds / 1'000'000'000);
-        timeout.tv_nsec = static_cast<long>(nanoseconds % 1'000'000'000);
-    }
-    pollfd sources[] = {{wake_signal_.fd(), POLLIN, 0}, {controller_->event_fd(), POLLIN, 0}};
+    const Duration longest = until == never ? Duration::max() : until - now();
+    const int fd = wakes_leader_ ? -1 : controller_->event_fd();
+    bool came = true;  // where nothing tells, it is to be asked
     leading_ = true;
     lock.unlock();
-    ::ppoll(sources, 2, until == never ? nullptr : &timeout, nullptr);
+    if (wakes_leader_) {
+        sleeper_.sleep(longest);
+    } else {
+        came = sleeper_.sleep_for(fd, longest);
+    }
     lock.lock();
     leading_ = false;
-    if (sources[0].revents != 0) wake_signal_.clear();
-    if (sources[1].revents != 0) may_have_events_ = true;
+    may_have_events_ = may_have_events_ || came;
     wake_sleepers();
 }
 
 void OrbImpl::wake() {
-    if (leading_) wake_signal_.raise();
+    if (leading_) sleeper_.wake();
     if (watch_) watch_->raise();
     wake_sleepers();
 }
@@ -271,7 +267,7 @@ void OrbImpl::stop_workers() {
 
 void OrbImpl::shutdown() noexcept {
     shut_down_ = true;
-    wake_signal_.raise();
+    sleeper_.wake();
 }
 
 TimerId OrbImpl::add_timer(TimePoint time, Duration period, Callback callback) {

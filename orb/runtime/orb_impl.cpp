@@ -116,6 +116,7 @@ OrbImpl::OrbImpl(Bus& bus, OrbOptions options)
     : bus_(bus),
       options_(checked(std::move(options))),
       controller_(bus.attach(options_.name)),
+      wakes_leader_(controller_->wake_with(sleeper_)),
       engine_(engine_options(options_, bus_.simulation())),
       user_code_(std::max<std::size_t>(options_.worker_threads, 1)) {
     if (bus_.simulation() != nullptr && options_.worker_threads > 0) {

@@ -22,6 +22,7 @@
 #include "orb/runtime/call_callbacks.hpp"
 #include "orb/runtime/condition.hpp"
 #include "orb/runtime/simulation_impl.hpp"
+#include "orb/runtime/sleeper.hpp"
 #include "orb/runtime/timers.hpp"
 #include "orb/runtime/user_code.hpp"
 #include "orb/runtime/watch.hpp"
@@ -263,13 +264,14 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     const OrbOptions options_;
     ReferenceOwner owner_{*this};
     MessageBuffers message_buffers_;
-    const can::Signal wake_signal_;
+    Sleeper sleeper_;                             ///< the leader
     std::unique_ptr<Servant> management_object_;  ///< not changed once somebody may call it
     std::atomic<bool> shut_down_ = false;
 
     mutable std::mutex mutex_;
     std::condition_variable changed_;
     std::unique_ptr<can::Controller> controller_;  ///< null when closed
+    const bool wakes_leader_;                      ///< by itself, without a descriptor
     core::Engine engine_;
     Timers timers_;
     std::vector<std::pair<caniop::MessageHandle, SentCallback>> sent_callbacks_;

@@ -22,6 +22,9 @@ TEST(BusAddress, Forms) {
     EXPECT_EQ(parsed<LocalAddress>("local:test").bitrate, std::nullopt);
     EXPECT_EQ(parsed<LocalAddress>("local:test?bitrate=250000").name, "test");
     EXPECT_EQ(parsed<LocalAddress>("local:test?bitrate=250000").bitrate, 250'000U);
+    EXPECT_EQ(parsed<LocalAddress>("local:test").paced, std::nullopt);
+    EXPECT_EQ(parsed<LocalAddress>("local:test?paced=no").paced, false);
+    EXPECT_EQ(parsed<LocalAddress>("local:test?paced=yes&bitrate=125000").bitrate, 125'000U);
     EXPECT_EQ(parsed<SimAddress>("sim:/run/canorb/bus0").path, "/run/canorb/bus0");
     EXPECT_EQ(parsed<SimAddress>("sim:bus").path, "bus");
     EXPECT_EQ(parsed<SimAddress>("sim:/" + std::string(106, 'x')).path.size(), 107U);
@@ -58,6 +61,9 @@ TEST(BusAddress, SaysWhatIsWrong) {
              BadAddress{"local:", "needs a name"},
              BadAddress{"local:?bitrate=500000", "needs a name"},
              BadAddress{"local:x?speed=1", "no option \"speed=1\""},
+             BadAddress{"local:x?", "no option \"\""},
+             BadAddress{"local:x?bitrate=5000&", "no option \"\""},
+             BadAddress{"local:x?paced=never", "no option \"paced=never\""},
              BadAddress{"local:x?bitrate=", "is not a bit rate"},
              BadAddress{"local:x?bitrate=4999", "from 5000 to 1000000"},
              BadAddress{"local:x?bitrate=1000001", "from 5000 to 1000000"},

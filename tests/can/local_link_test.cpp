@@ -67,6 +67,69 @@ TEST(LocalLink, ControllersOutliveTheirLink) {
     EXPECT_TRUE(receives(*receiver, 0x123));
 }
 
+// The frame is there when send() returns: nobody has to wait for the bus.
+TEST(LocalLink, WithoutAPaceAFrameArrivesAtOnce) {
+    const auto link = opened("local:fast?paced=no&bitrate=5000");
+    const auto sender = attached(*link);
+    const auto receiver = attached(*link);
+    ASSERT_TRUE(receiver->set_filters(accept_all));
+    for (std::uint32_t id = 0; id < 3; ++id) {
+        EXPECT_TRUE(std::holds_alternative<TransmitHandle>(sender->send(Frame::standard(id, {}))));
+        const auto event = receiver->poll();
+        ASSERT_TRUE(event);
+        EXPECT_EQ(std::get<Received>(*event).frame.id, id);
+        EXPECT_EQ(std::get<TransmitResult>(sender->poll().value()).outcome, TransmitOutcome::sent);
+    }
+    EXPECT_EQ(receiver->poll(), std::nullopt);
+}
+
+TEST(LocalLink, WithoutAPaceAFrameWaitsForSomebodyToAcknowledgeIt) {
+    const auto link = opened("local:alone?paced=no");
+    const auto sender = attached(*link);
+    const auto is_sent = [&] {
+        while (const auto event = sender->poll()) {
+            if (std::holds_alternative<TransmitResult>(*event)) return true;
+        }
+        return false;
+    };
+    EXPECT_TRUE(std::holds_alternative<TransmitHandle>(sender->send(Frame::standard(0x123, {}))));
+    EXPECT_FALSE(is_sent());
+    const auto receiver = attached(*link);
+    EXPECT_TRUE(is_sent());
+}
+
+TEST(LocalLink, WithoutAPaceASlowReaderIsWaitedForButNotForEver) {
+    const auto link = opened("local:slow?paced=no");
+    const auto sender = attached(*link);
+    const auto reader = attached(*link);
+    ASSERT_TRUE(reader->set_filters(accept_all));
+    std::uint32_t sent = 0;
+    std::uint32_t lost = 0;
+    std::uint32_t received = 0;
+    // Until the bus gives the reader up; what is sent meanwhile waits in the sender's mailboxes.
+    while (sent < 2'000) {
+        if (std::holds_alternative<TransmitHandle>(sender->send(Frame::standard(sent, {})))) ++sent;
+        while (sender->poll()) continue;
+    }
+    while (const auto event = reader->poll()) {
+        if (std::holds_alternative<Received>(*event)) ++received;
+        if (const auto* loss = std::get_if<FramesLost>(&*event)) {
+            lost += static_cast<std::uint32_t>(loss->count);
+        }
+    }
+    EXPECT_GT(lost, 0U);
+    EXPECT_EQ(received + lost, 2'000U);
+}
+
+TEST(LocalLink, HasThePaceOfWhoOpenedItFirst) {
+    const auto first = opened("local:pace?paced=no");
+    EXPECT_TRUE(open_link("local:pace"));
+    EXPECT_TRUE(open_link("local:pace?paced=no"));
+    const auto other = open_link("local:pace?paced=yes");
+    ASSERT_FALSE(other);
+    EXPECT_THAT(other.error(), testing::HasSubstr("local:pace is not paced"));
+}
+
 TEST(LocalLink, HasTheBitrateOfWhoOpenedItFirst) {
     auto first = opened("local:rate?bitrate=125000");
     EXPECT_EQ(attached(*first)->capabilities().bitrate, 125'000U);

@@ -27,6 +27,21 @@ std::string quoted(std::string_view text) {
     return "\"" + std::string{text} + "\"";
 }
 
+/// The error is a sentence for people.
+std::optional<std::string> set_local_option(LocalAddress& address, std::string_view option) {
+    if (option.starts_with(bitrate_option)) {
+        const auto bitrate = parse_bitrate(option.substr(bitrate_option.size()));
+        if (!bitrate) return bitrate.error();
+        address.bitrate = *bitrate;
+    } else if (option == "paced=yes" || option == "paced=no") {
+        address.paced = option == "paced=yes";
+    } else {
+        return "local: has no option " + quoted(option) +
+               "; it knows bitrate=BITS_PER_SECOND and paced=no";
+    }
+    return std::nullopt;
+}
+
 Result<BusAddress, std::string> parse_local(std::string_view rest) {
     LocalAddress address;
     const std::size_t mark = rest.find('?');
@@ -34,15 +49,15 @@ Result<BusAddress, std::string> parse_local(std::string_view rest) {
     if (address.name.empty()) {
         return Failure{std::string{"local: needs a name for the bus, for example local:test"}};
     }
-    if (mark != std::string_view::npos) {
-        const std::string_view option = rest.substr(mark + 1);
-        if (!option.starts_with(bitrate_option)) {
-            return Failure{"local: has no option " + quoted(option) +
-                           "; it knows bitrate=BITS_PER_SECOND"};
+    std::string_view options =
+        mark == std::string_view::npos ? std::string_view{} : rest.substr(mark + 1);
+    while (mark != std::string_view::npos) {
+        const std::size_t end = options.find('&');
+        if (auto problem = set_local_option(address, options.substr(0, end))) {
+            return Failure{std::move(*problem)};
         }
-        const auto bitrate = parse_bitrate(option.substr(bitrate_option.size()));
-        if (!bitrate) return Failure{bitrate.error()};
-        address.bitrate = *bitrate;
+        if (end == std::string_view::npos) break;
+        options.remove_prefix(end + 1);
     }
     return BusAddress{address};
 }

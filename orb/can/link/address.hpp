@@ -10,10 +10,11 @@
 
 namespace canorb::can {
 
-/// `local:NAME[?bitrate=N]`
+/// `local:NAME[?bitrate=N][&paced=no]`
 struct LocalAddress {
     std::string name;
     std::optional<std::uint32_t> bitrate;
+    std::optional<bool> paced;  ///< no: as fast as the machine
 };
 
 /// `sim:PATH`

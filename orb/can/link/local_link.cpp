@@ -21,17 +21,26 @@ constexpr std::uint32_t default_bitrate = 500'000;
 constexpr Duration work_at_once = std::chrono::milliseconds{2};
 /// And so long others have the mutex meanwhile.
 constexpr Duration pause_for_others = std::chrono::microseconds{100};
+/// So much happens at once on a bus that is not paced, where a frame that nobody may acknowledge
+/// is repeated for ever.
+constexpr int max_steps_at_once = 1000;
+/// A reader that keeps the bus waiting for longer loses frames.
+constexpr Duration longest_stall = std::chrono::milliseconds{100};
 
 class LocalController;
 
-/// Invariant: the bus is touched only under the mutex, and moved up to the present first, or as far
-/// as it gets in a short time. What is asked of a bus that is behind happens at its own present.
+/// Invariants: the bus is touched only under the mutex. A paced one is moved up to the present
+/// first, or as far as it gets in a short time; what is asked of a bus that is behind happens at
+/// its own present. One that is not paced has no thread: whoever does something on it lets it run
+/// until all is sent, or a reader must catch up.
 class LocalBus {
   public:
-    explicit LocalBus(std::uint32_t bitrate)
-        : bus_(bitrate, monotonic_now()), thread_([this] { run(); }) {}
+    LocalBus(std::uint32_t bitrate, bool paced) : bus_(bitrate, monotonic_now()), paced_(paced) {
+        if (paced_) thread_ = std::thread{[this] { run(); }};
+    }
 
     ~LocalBus() {
+        if (!paced_) return;
         {
             const std::lock_guard lock{mutex_};
             stopping_ = true;
@@ -43,14 +52,19 @@ class LocalBus {
     LocalBus& operator=(const LocalBus&) = delete;
 
     std::uint32_t bitrate() const { return bus_.bitrate(); }
+    bool paced() const { return paced_; }
 
     /// Access to the bus at the present moment. Its end wakes whom the changes concern.
     class Present {
       public:
         explicit Present(LocalBus& owner) : owner_(owner), lock_(owner.mutex_) {
-            owner_.keep_pace();
+            if (owner_.paced_) owner_.keep_pace();
         }
         ~Present() {
+            if (!owner_.paced_) {
+                settle();
+                return;
+            }
             owner_.wake_readers();
             // Only an event before the one the thread sleeps until is news to it.
             const TimePoint next = owner_.clock_.machine_time(owner_.bus_.next_event());
@@ -59,6 +73,11 @@ class LocalBus {
         Present(const Present&) = delete;
         Present& operator=(const Present&) = delete;
 
+        /// On a bus that is not paced: all that can happen, happens.
+        void settle() const {
+            owner_.run_until_quiet();
+            owner_.wake_readers();
+        }
         sim::Bus& bus() const { return owner_.bus_; }
         const PacedClock& clock() const { return owner_.clock_; }
 
@@ -74,6 +93,8 @@ class LocalBus {
   private:
     void run();
     bool keep_pace();
+    void run_until_quiet();
+    bool is_stalled();
     void wake_readers();
 
     std::mutex mutex_;
@@ -81,10 +102,12 @@ class LocalBus {
     sim::Bus bus_;
     std::vector<LocalController*> controllers_;
     Pacer pacer_;
-    PacedClock clock_;
+    PacedClock clock_;  ///< stands still on a bus that is not paced
     TimePoint wake_at_ = never;
+    std::optional<TimePoint> stalled_since_;
     bool stopping_ = false;
-    std::thread thread_;  // the last member: it starts when all others are there
+    const bool paced_;
+    std::thread thread_;
 };
 
 class LocalController final : public Controller {
@@ -109,7 +132,19 @@ class LocalController final : public Controller {
     }
     [[nodiscard]] SendResult send(const Frame& frame, SendOptions options) override {
         const LocalBus::Present present{*bus_};
-        return controller_->send(frame, options);
+        const SendResult sent = controller_->send(frame, options);
+        const auto* handle = std::get_if<TransmitHandle>(&sent);
+        if (handle == nullptr || bus_->paced()) return sent;
+        // Mostly it is on the bus at once: then nobody need be woken to hear of it.
+        telling_ = true;
+        present.settle();
+        telling_ = false;
+        const auto* event = controller_->next_event();
+        const auto* result = event == nullptr ? nullptr : std::get_if<TransmitResult>(event);
+        if (result == nullptr || result->handle != *handle) return sent;
+        const TransmitResult known = *result;
+        controller_->poll();
+        return known;
     }
     void abort(TransmitHandle handle) override {
         const LocalBus::Present present{*bus_};
@@ -141,11 +176,25 @@ class LocalController final : public Controller {
         if (event) return present.clock().machine_time(*event);
         return std::nullopt;
     }
-    int event_fd() const override { return readable_.fd(); }
+    int event_fd() const override {
+        const LocalBus::Present present{*bus_};
+        watched_ = true;
+        return readable_.fd();
+    }
+    bool wake_with(Waker& waker) override {
+        const LocalBus::Present present{*bus_};
+        waker_ = &waker;
+        return true;
+    }
+
+    /// Within a Present, or under its mutex.
+    bool is_full() const { return controller_ && controller_->is_full(); }
 
     /// Within a Present, or under its mutex.
     void wake_reader() {
-        if (raised_ || !controller_->has_event()) return;
+        if (telling_ || !controller_ || !controller_->has_event()) return;
+        if (waker_ != nullptr) waker_->wake();
+        if (raised_ || !watched_) return;
         raised_ = true;
         readable_.raise();
     }
@@ -155,6 +204,9 @@ class LocalController final : public Controller {
     std::optional<sim::Controller> controller_;
     Signal readable_;
     bool raised_ = false;
+    mutable bool watched_ = false;  ///< somebody has the descriptor
+    Waker* waker_ = nullptr;
+    bool telling_ = false;  ///< its reader is being told by send()
 };
 
 void LocalBus::wake_readers() {
@@ -167,6 +219,25 @@ bool LocalBus::keep_pace() {
     if (clock_.advance(bus_, now, now + work_at_once)) return true;
     clock_.slip(bus_, now);
     return false;
+}
+
+void LocalBus::run_until_quiet() {
+    for (int i = 0; i < max_steps_at_once && !is_stalled() && bus_.advance_one(); ++i) {
+    }
+}
+
+/// Whether it has to wait for a reader, so that no frame is lost only because the bus is faster
+/// than any real one; though not for ever.
+bool LocalBus::is_stalled() {
+    const bool any_full = std::ranges::any_of(
+        controllers_, [](const LocalController* each) { return each->is_full(); });
+    if (!any_full) {
+        stalled_since_.reset();
+        return false;
+    }
+    const TimePoint now = monotonic_now();
+    if (!stalled_since_) stalled_since_ = now;
+    return now - *stalled_since_ < longest_stall;
 }
 
 void LocalBus::run() {
@@ -195,6 +266,10 @@ class LocalBuses {
         std::erase_if(buses_, [](const auto& entry) { return entry.second.expired(); });
         auto& entry = buses_[address.name];
         if (auto bus = entry.lock()) {
+            if (address.paced && *address.paced != bus->paced()) {
+                return Failure{"local:" + address.name + (bus->paced() ? " is" : " is not") +
+                               " paced: its clock cannot be changed while it is in use"};
+            }
             if (address.bitrate && *address.bitrate != bus->bitrate()) {
                 return Failure{"local:" + address.name + " runs at " +
                                std::to_string(bus->bitrate()) + " bit/s, not at " +
@@ -202,7 +277,8 @@ class LocalBuses {
             }
             return bus;
         }
-        auto bus = std::make_shared<LocalBus>(address.bitrate.value_or(default_bitrate));
+        auto bus = std::make_shared<LocalBus>(address.bitrate.value_or(default_bitrate),
+                                              address.paced.value_or(true));
         entry = bus;
         return bus;
     }

@@ -24,6 +24,10 @@ class Controller : public can::Controller {
 
     /// Whether poll() would return an event.
     bool has_event() const { return !bus_.events(node_).empty(); }
+    /// The event that poll() would return, or null.
+    const ControllerEvent* next_event() const { return bus_.events(node_).front(); }
+    /// Whether the next frame for it would be lost.
+    bool is_full() const { return bus_.events(node_).receive_full(); }
     /// Its number on the bus, as in CompletedFrame::sender.
     NodeIndex node() const { return node_; }
 

@@ -27,6 +27,8 @@ class EventQueue {
     void push_doubt(TimePoint time);
 
     std::optional<ControllerEvent> pop();
+    /// What pop() would return; null when empty().
+    const ControllerEvent* front() const { return empty() ? nullptr : &ring_[first_]; }
 
     bool empty() const { return size_ == 0; }
     std::size_t received() const { return received_; }
