@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -154,9 +155,9 @@ class Controller {
     /// none (a virtual bus). Valid as long as the controller; do not read from it.
     virtual int event_fd() const = 0;
 
-    /// Wakes `waker`, too, when poll() may have an event, from then on and as long as the controller
-    /// exists; cheaper than a descriptor inside a process. False: it does not.
-    [[nodiscard]] virtual bool wake_with(Waker& /*waker*/) { return false; }
+    /// Wakes `waker`, too, when poll() may have an event, from then on; cheaper than a descriptor
+    /// inside a process. False: it does not.
+    [[nodiscard]] virtual bool wake_with(std::shared_ptr<Waker> /*waker*/) { return false; }
 
   protected:
     Controller() = default;

@@ -78,9 +78,9 @@ void OrbImpl::lead(Lock& lock, TimePoint until) {
     leading_ = true;
     lock.unlock();
     if (wakes_leader_) {
-        sleeper_.sleep(longest);
+        sleeper_->sleep(longest);
     } else {
-        came = sleeper_.sleep_for(fd, longest);
+        came = sleeper_->sleep_for(fd, longest);
     }
     lock.lock();
     leading_ = false;
@@ -89,7 +89,7 @@ void OrbImpl::lead(Lock& lock, TimePoint until) {
 }
 
 void OrbImpl::wake() {
-    if (leading_) sleeper_.wake();
+    if (leading_) sleeper_->wake();
     if (watch_) watch_->raise();
     wake_sleepers();
 }
@@ -267,7 +267,7 @@ void OrbImpl::stop_workers() {
 
 void OrbImpl::shutdown() noexcept {
     shut_down_ = true;
-    sleeper_.wake();
+    sleeper_->wake();
 }
 
 TimerId OrbImpl::add_timer(TimePoint time, Duration period, Callback callback) {

@@ -264,7 +264,7 @@ class OrbImpl final : public std::enable_shared_from_this<OrbImpl>, public Simul
     const OrbOptions options_;
     ReferenceOwner owner_{*this};
     MessageBuffers message_buffers_;
-    Sleeper sleeper_;                             ///< the leader
+    const std::shared_ptr<Sleeper> sleeper_ = std::make_shared<Sleeper>();  ///< the leader
     std::unique_ptr<Servant> management_object_;  ///< not changed once somebody may call it
     std::atomic<bool> shut_down_ = false;
 

@@ -1,6 +1,7 @@
 #include "orb/can/link/local_link.hpp"
 
 #include <algorithm>
+#include <array>
 #include <condition_variable>
 #include <map>
 #include <mutex>
@@ -28,6 +29,31 @@ constexpr int max_steps_at_once = 1000;
 constexpr Duration longest_stall = std::chrono::milliseconds{100};
 
 class LocalController;
+
+/// Those who are to be woken at the end, not at once: who is woken on the same CPU would run, and
+/// only wait for the mutex. As many as this has room for; more are woken at once.
+class Wakers {
+  public:
+    Wakers() = default;
+    ~Wakers() {
+        for (std::size_t i = 0; i < count_; ++i) wakers_[i]->wake();
+    }
+    Wakers(const Wakers&) = delete;
+    Wakers& operator=(const Wakers&) = delete;
+
+    void add(const std::shared_ptr<Waker>& waker) {
+        if (count_ > 0 && wakers_[count_ - 1] == waker) return;
+        if (count_ < wakers_.size()) {
+            wakers_[count_++] = waker;
+        } else {
+            waker->wake();
+        }
+    }
+
+  private:
+    std::array<std::shared_ptr<Waker>, 4> wakers_;
+    std::size_t count_ = 0;
+};
 
 /// Invariants: the bus is touched only under the mutex. A paced one is moved up to the present
 /// first, or as far as it gets in a short time; what is asked of a bus that is behind happens at
@@ -65,7 +91,7 @@ class LocalBus {
                 settle();
                 return;
             }
-            owner_.wake_readers();
+            owner_.wake_readers(wakers_);
             // Only an event before the one the thread sleeps until is news to it.
             const TimePoint next = owner_.clock_.machine_time(owner_.bus_.next_event());
             if (next < owner_.wake_at_) owner_.changed_.notify_one();
@@ -74,15 +100,16 @@ class LocalBus {
         Present& operator=(const Present&) = delete;
 
         /// On a bus that is not paced: all that can happen, happens.
-        void settle() const {
+        void settle() {
             owner_.run_until_quiet();
-            owner_.wake_readers();
+            owner_.wake_readers(wakers_);
         }
         sim::Bus& bus() const { return owner_.bus_; }
         const PacedClock& clock() const { return owner_.clock_; }
 
       private:
         LocalBus& owner_;
+        Wakers wakers_;  // before the lock: they are woken when that is released
         std::lock_guard<std::mutex> lock_;
     };
 
@@ -95,7 +122,7 @@ class LocalBus {
     bool keep_pace();
     void run_until_quiet();
     bool is_stalled();
-    void wake_readers();
+    void wake_readers(Wakers& wakers);
 
     std::mutex mutex_;
     std::condition_variable changed_;
@@ -131,7 +158,7 @@ class LocalController final : public Controller {
         return controller_->capabilities();
     }
     [[nodiscard]] SendResult send(const Frame& frame, SendOptions options) override {
-        const LocalBus::Present present{*bus_};
+        LocalBus::Present present{*bus_};
         const SendResult sent = controller_->send(frame, options);
         const auto* handle = std::get_if<TransmitHandle>(&sent);
         if (handle == nullptr || bus_->paced()) return sent;
@@ -181,9 +208,9 @@ class LocalController final : public Controller {
         watched_ = true;
         return readable_.fd();
     }
-    bool wake_with(Waker& waker) override {
+    bool wake_with(std::shared_ptr<Waker> waker) override {
         const LocalBus::Present present{*bus_};
-        waker_ = &waker;
+        waker_ = std::move(waker);
         return true;
     }
 
@@ -191,9 +218,9 @@ class LocalController final : public Controller {
     bool is_full() const { return controller_ && controller_->is_full(); }
 
     /// Within a Present, or under its mutex.
-    void wake_reader() {
+    void wake_reader(Wakers& wakers) {
         if (telling_ || !controller_ || !controller_->has_event()) return;
-        if (waker_ != nullptr) waker_->wake();
+        if (waker_) wakers.add(waker_);
         if (raised_ || !watched_) return;
         raised_ = true;
         readable_.raise();
@@ -205,12 +232,12 @@ class LocalController final : public Controller {
     Signal readable_;
     bool raised_ = false;
     mutable bool watched_ = false;  ///< somebody has the descriptor
-    Waker* waker_ = nullptr;
+    std::shared_ptr<Waker> waker_;
     bool telling_ = false;  ///< its reader is being told by send()
 };
 
-void LocalBus::wake_readers() {
-    for (LocalController* controller : controllers_) controller->wake_reader();
+void LocalBus::wake_readers(Wakers& wakers) {
+    for (LocalController* controller : controllers_) controller->wake_reader(wakers);
 }
 
 /// Whether the bus is at the present moment.
@@ -245,7 +272,10 @@ void LocalBus::run() {
     std::unique_lock lock{mutex_};
     while (!stopping_) {
         const bool in_time = keep_pace();
-        wake_readers();
+        {
+            Wakers wakers;
+            wake_readers(wakers);
+        }
         wake_at_ = clock_.machine_time(pacer_.wake_at(bus_));
         if (!in_time) wake_at_ = std::max(wake_at_, monotonic_now() + pause_for_others);
         if (wake_at_ == never) {
