@@ -129,7 +129,7 @@ def versions():
 
 def sizes(bench):
     omniorb = bench.program("peer_omniorb", "sizes")
-    peers = {name: omniorb[name] for name in ("giop_1_0", "giop_1_2")}
+    peers = {name: omniorb[name]["operations"] for name in ("giop_1_0", "giop_1_2")}
     captured = None
     try:
         captured = bench.program("peer_fastdds", "sizes")
@@ -137,15 +137,13 @@ def sizes(bench):
         bench.results["skipped"]["sizes of Fast DDS"] = str(reason)
     if captured:
         for name in ("best_effort", "reliable"):
-            peers[f"rtps_{name}"] = captured[name]
+            peers[f"rtps_{name}"] = captured[name]["operations"]
     with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
         json.dump(peers, file)
         file.flush()
         result = bench.program("sizes", "--peers", file.name)
-    result["omniorb"] = {key: value for key, value in omniorb.items() if key not in peers}
-    if captured:
-        result["fastdds"] = {key: value for key, value in captured.items()
-                             if key not in ("best_effort", "reliable")}
+    result["first_call_extra"] = {name: omniorb[name]["first_call_extra"]
+                                  for name in ("giop_1_0", "giop_1_2")}
     return result
 
 

@@ -1,7 +1,7 @@
 // What a two-way call costs: in one process, in two processes over the daemon's bus without a
 // clock, and on the paced bus beside bare frames. See doc/benchmarks.md.
 //
-//     calls [--quick] [--only in_process|processes|paced]
+//     calls [--quick] [--only in_process|processes|paced|cost]
 
 #include "calls.hpp"
 
@@ -12,6 +12,8 @@
 #include <thread>
 
 #include "canorb/simulation.hpp"
+#include "child_process.hpp"
+#include "footprint.hpp"
 #include "processes.hpp"
 
 namespace canorb::bench {
@@ -108,6 +110,21 @@ nlohmann::json between_processes(bool quick) {
     return result;
 }
 
+/// The size and memory of a server that has been called.
+nlohmann::ordered_json cost() {
+    constexpr int calls = 1'000;
+    const Daemon daemon{1'000'000, false, -1};
+    const peers::Child server{{peers::program_beside("minimal_server"), daemon.address(), "2"}};
+    const auto bus = open_bus(daemon.address());
+    Orb client{*bus, {.node = 1}};
+    const auto device = device_at(client, 2);
+    await(device);
+    for (int i = 0; i < calls; ++i) device.ping();
+    nlohmann::ordered_json result{{"calls", calls}};
+    result.update(peers::footprint(server.pid(), {}));
+    return result;
+}
+
 }  // namespace
 
 ::Bench::Device device_at(Orb& orb, int node) {
@@ -148,7 +165,7 @@ int main(int argc, char** argv) {
     std::string only;
     app.add_flag("--quick", quick, "A few seconds in place of a minute");
     app.add_option("--only", only, "A part of it")
-        ->check(CLI::IsMember({"in_process", "processes", "paced"}));
+        ->check(CLI::IsMember({"in_process", "processes", "paced", "cost"}));
     CLI11_PARSE(app, argc, argv);
     try {
         nlohmann::json result;
@@ -156,6 +173,7 @@ int main(int argc, char** argv) {
         if (only.empty() || only == "in_process") result["in_process"] = in_process(quick);
         if (only.empty() || only == "processes") result["processes"] = between_processes(quick);
         if (only.empty() || only == "paced") result["paced"] = on_the_paced_bus(quick);
+        if (only == "cost") result["cost"] = cost();
         std::cout << result.dump(2) << '\n';
     } catch (const std::exception& exception) {
         std::fprintf(stderr, "calls: %s\n", exception.what());

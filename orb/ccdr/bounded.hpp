@@ -101,7 +101,8 @@ class BoundedString {
 };
 
 /// IDL's `sequence<T, N>` without a heap: at most N elements, used as a std::vector is. T has a
-/// default constructor; the places of elements that are not there hold such values.
+/// default constructor; the places of elements that are not there hold such values, or any octets
+/// where T is an octet.
 ///
 ///     canorb::BoundedVector<std::uint16_t, 8> samples = {1, 2, 3};
 ///     samples.push_back(4);
@@ -112,24 +113,36 @@ class BoundedString {
 template <typename T, std::size_t N>
 class BoundedVector {
     static_assert(N >= 1, "a bound is 1 or more");
+    static constexpr bool of_octets = std::same_as<T, std::uint8_t>;
 
   public:
     using value_type = T;
     using iterator = T*;
     using const_iterator = const T*;
 
-    constexpr BoundedVector() = default;
-    constexpr BoundedVector(std::initializer_list<T> elements) {
+    constexpr BoundedVector()
+        requires(!of_octets)
+        : elements_{} {}
+    // To clear octets takes longer than to decode them. A constant must have all of its octets.
+    constexpr BoundedVector()
+        requires of_octets
+    {
+        if (std::is_constant_evaluated()) elements_.fill(0);
+    }
+    constexpr BoundedVector(std::initializer_list<T> elements) : BoundedVector() {
         assign(std::span<const T>{elements.begin(), elements.size()});
     }
 
     /// False: there are more than N elements and the vector is now overlong.
     constexpr bool assign(std::span<const T> elements) {
-        clear();
-        for (const T& element : elements) {
-            if (!push_back(element)) return false;
+        const std::size_t kept = std::min(elements.size(), N);
+        std::copy_n(elements.begin(), kept, elements_.begin());
+        if constexpr (!of_octets) {
+            for (std::size_t i = kept; i < size_; ++i) elements_[i] = T{};
         }
-        return true;
+        size_ = kept;
+        overlong_ = elements.size() > N;
+        return !overlong_;
     }
 
     /// False: the vector was full and is now overlong.
@@ -146,7 +159,11 @@ class BoundedVector {
     /// and is now overlong.
     constexpr bool resize(std::size_t size) {
         const std::size_t kept = std::min(size, N);
-        for (std::size_t i = kept; i < size_; ++i) elements_[i] = T{};
+        if constexpr (of_octets) {
+            for (std::size_t i = size_; i < kept; ++i) elements_[i] = 0;
+        } else {
+            for (std::size_t i = kept; i < size_; ++i) elements_[i] = T{};
+        }
         size_ = kept;
         overlong_ = size > N;
         return !overlong_;
@@ -179,7 +196,7 @@ class BoundedVector {
     }
 
   private:
-    std::array<T, N> elements_{};
+    std::array<T, N> elements_;
     std::size_t size_ = 0;
     bool overlong_ = false;
 };
@@ -219,10 +236,14 @@ void encode(Encoder& out, const BoundedVector<T, N>& value) {
 
 template <typename T, std::size_t N>
 void decode(Decoder& in, BoundedVector<T, N>& value) {
-    value.clear();
     const std::size_t count = in.count(fewest_octets<T>, N);
-    value.resize(count);
-    for (T& element : value) decode(in, element);
+    if constexpr (std::same_as<T, std::uint8_t>) {
+        value.assign(in.octets(count));
+    } else {
+        value.clear();
+        value.resize(count);
+        for (T& element : value) decode(in, element);
+    }
 }
 
 /// A std::string, std::u16string, std::vector, std::array or std::map with the bounds that IDL

@@ -1,32 +1,11 @@
 #include "orb/ccdr/decoder.hpp"
 
-#include <bit>
 #include <limits>
 
 #include "orb/ccdr/binary128.hpp"
 #include "orb/ccdr/format.hpp"
 
 namespace canorb::ccdr {
-
-void Decoder::fail() {
-    ok_ = false;
-    position_ = octets_.size();
-}
-
-Bytes Decoder::octets(std::size_t count) {
-    if (remaining() < count) {
-        fail();
-        return {};
-    }
-    const Bytes taken = octets_.subspan(position_, count);
-    position_ += count;
-    return taken;
-}
-
-std::uint8_t Decoder::octet() {
-    const Bytes taken = octets(1);
-    return taken.empty() ? std::uint8_t{0} : taken[0];
-}
 
 Decoder::Variable Decoder::variable() {
     const std::uint8_t first = octet();
@@ -42,7 +21,7 @@ Decoder::Variable Decoder::variable() {
     return {};
 }
 
-std::uint32_t Decoder::variable_unsigned(std::uint32_t highest) {
+std::uint32_t Decoder::long_unsigned(std::uint32_t highest) {
     const auto [form, value] = variable();
     const bool fits_shorter =
         form > 0 && value < (std::uint32_t{1} << variable_forms[form - 1].payload_bits);
@@ -67,30 +46,6 @@ std::int32_t Decoder::variable_signed(std::int32_t lowest, std::int32_t highest)
         fail();
         return 0;
     }
-    return value;
-}
-
-std::uint32_t Decoder::fixed32() {
-    std::uint32_t value = 0;
-    for (const std::uint8_t octet : octets(4)) value = (value << 8) | octet;
-    return value;
-}
-
-std::uint64_t Decoder::fixed64() {
-    std::uint64_t value = 0;
-    for (const std::uint8_t octet : octets(8)) value = (value << 8) | octet;
-    return value;
-}
-
-std::size_t Decoder::count(std::size_t element_octets, std::size_t highest) {
-    const std::size_t value = variable_unsigned(std::numeric_limits<std::uint32_t>::max());
-    const std::size_t room =
-        element_octets == 0 ? highest_octetless - octetless_ : remaining() / element_octets;
-    if (!ok_ || value > room || value > highest) {
-        fail();
-        return 0;
-    }
-    if (element_octets == 0) octetless_ += value;
     return value;
 }
 
@@ -126,18 +81,7 @@ bool Decoder::enter() {
     return ok_;
 }
 
-void decode(Decoder& in, bool& value) {
-    const std::uint8_t octet = in.octet();
-    if (octet > 1) in.fail();
-    value = octet == 1;
-}
-
 namespace {
-
-template <typename T>
-void decode_unsigned(Decoder& in, T& value) {
-    value = static_cast<T>(in.variable_unsigned(std::numeric_limits<T>::max()));
-}
 
 template <typename T>
 void decode_signed(Decoder& in, T& value) {
@@ -147,38 +91,11 @@ void decode_signed(Decoder& in, T& value) {
 
 }  // namespace
 
-void decode(Decoder& in, char& value) {
-    value = static_cast<char>(in.octet());
-}
-void decode(Decoder& in, std::int8_t& value) {
-    value = static_cast<std::int8_t>(in.octet());
-}
-void decode(Decoder& in, std::uint8_t& value) {
-    value = in.octet();
-}
 void decode(Decoder& in, std::int16_t& value) {
     decode_signed(in, value);
 }
-void decode(Decoder& in, std::uint16_t& value) {
-    decode_unsigned(in, value);
-}
 void decode(Decoder& in, std::int32_t& value) {
     decode_signed(in, value);
-}
-void decode(Decoder& in, std::uint32_t& value) {
-    decode_unsigned(in, value);
-}
-void decode(Decoder& in, std::int64_t& value) {
-    value = static_cast<std::int64_t>(in.fixed64());
-}
-void decode(Decoder& in, std::uint64_t& value) {
-    value = in.fixed64();
-}
-void decode(Decoder& in, float& value) {
-    value = std::bit_cast<float>(in.fixed32());
-}
-void decode(Decoder& in, double& value) {
-    value = std::bit_cast<double>(in.fixed64());
 }
 void decode(Decoder& in, long double& value) {
     Binary128 bits{};
@@ -191,7 +108,13 @@ void decode(Decoder& in, char16_t& value) {
     value = taken.empty() ? u'\0' : char16_t{read_be16(taken.data())};
 }
 void decode(Decoder& in, std::string& value) {
-    value.assign(in.string());
+    const std::string_view text = in.string();
+    // A new string is made faster than one that was empty is enlarged.
+    if (text.size() > value.capacity()) {
+        value = std::string{text};
+    } else {
+        value.assign(text);
+    }
 }
 void decode(Decoder& in, std::u16string& value) {
     assign(value, in.wide_string());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -14,6 +15,8 @@
 
 #include "orb/base/bytes.hpp"
 #include "orb/ccdr/fewest_octets.hpp"
+#include "orb/ccdr/format.hpp"
+#include "orb/ccdr/octet_order.hpp"
 
 namespace canorb::ccdr {
 
@@ -35,12 +38,14 @@ struct DecodeContext {
 ///     std::uint16_t channel{};
 ///     decode(in, channel);
 ///     if (!in.finished()) return marshal;
+///
+/// What small arguments need is inline: a call for each would take longer than reading it.
 class Decoder {
   public:
     /// `octets` and `context` belong to the caller and outlive this object. `levels` is how deep
     /// the values already are: see Nesting.
     explicit Decoder(Bytes octets, const DecodeContext* context = nullptr, unsigned levels = 0)
-        : octets_(octets), context_(context), levels_(levels) {}
+        : next_(octets.data()), end_(next_ + octets.size()), context_(context), levels_(levels) {}
 
     /// As given to the constructor: nullptr where no references are expected.
     const DecodeContext* context() const { return context_; }
@@ -48,26 +53,50 @@ class Decoder {
     [[nodiscard]] bool ok() const { return ok_; }
     /// No error, and nothing left over: a complete value was read.
     [[nodiscard]] bool finished() const { return ok_ && remaining() == 0; }
-    std::size_t remaining() const { return octets_.size() - position_; }
+    std::size_t remaining() const { return static_cast<std::size_t>(end_ - next_); }
     /// The octets that are not read yet.
-    Bytes rest() const { return octets_.subspan(position_); }
+    Bytes rest() const { return {next_, remaining()}; }
 
     /// What was read is not a value of its type.
-    void fail();
+    void fail() {
+        ok_ = false;
+        next_ = end_;
+    }
 
-    std::uint8_t octet();
+    std::uint8_t octet() { return has(1) ? *advance(1) : std::uint8_t{0}; }
     /// The next `count` octets as they are; empty when there are fewer.
-    Bytes octets(std::size_t count);
-    std::uint32_t variable_unsigned(std::uint32_t highest);
+    Bytes octets(std::size_t count) { return has(count) ? Bytes{advance(count), count} : Bytes{}; }
+    std::uint32_t variable_unsigned(std::uint32_t highest) {
+        // One and two octets here; whatever is not right about them long_unsigned() finds, too.
+        if (next_ != end_ && *next_ < 0x80 && *next_ <= highest) return *next_++;
+        if (remaining() >= 2) {
+            const std::uint32_t value = read_be16(next_) ^ 0x8000U;
+            if (value < 0x4000 && value >= 0x80 && value <= highest) {
+                next_ += 2;
+                return value;
+            }
+        }
+        return long_unsigned(highest);
+    }
     std::int32_t variable_signed(std::int32_t lowest, std::int32_t highest);
-    std::uint64_t fixed64();
-    std::uint32_t fixed32();
+    std::uint64_t fixed64() { return has(8) ? read_be64(advance(8)) : 0; }
+    std::uint32_t fixed32() { return has(4) ? read_be32(advance(4)) : 0; }
     /// A sequence's count. It fails when the octets left cannot hold so many elements of at least
     /// `element_octets` each, so nothing is allocated for a count that lies.
     /// It also fails above `highest`, the sequence's bound. Elements that take no octets are
     /// limited to `highest_octetless` in all that this object reads.
     std::size_t count(std::size_t element_octets = 1,
-                      std::size_t highest = std::numeric_limits<std::size_t>::max());
+                      std::size_t highest = std::numeric_limits<std::size_t>::max()) {
+        const std::size_t value = variable_unsigned(std::numeric_limits<std::uint32_t>::max());
+        const std::size_t room =
+            element_octets == 0 ? highest_octetless - octetless_ : remaining() / element_octets;
+        if (!ok_ || value > room || value > highest) {
+            fail();
+            return 0;
+        }
+        if (element_octets == 0) octetless_ += static_cast<std::uint32_t>(value);
+        return value;
+    }
     /// A string, without its NUL; the view is into the octets being read.
     std::string_view string();
     /// The code units of a wide string, two octets each, without the final one; it fails for more
@@ -86,27 +115,64 @@ class Decoder {
         std::uint32_t bits;
     };
     Variable variable();
+    std::uint32_t long_unsigned(std::uint32_t highest);
+    /// Whether so many octets are left; otherwise it fails.
+    bool has(std::size_t count) {
+        if (remaining() >= count) [[likely]]
+            return true;
+        fail();
+        return false;
+    }
+    /// Past so many octets, which are left; where they begin.
+    const std::uint8_t* advance(std::size_t count) {
+        const std::uint8_t* from = next_;
+        next_ += count;
+        return from;
+    }
 
-    Bytes octets_;
+    const std::uint8_t* next_;
+    const std::uint8_t* end_;
     const DecodeContext* context_;
-    std::size_t position_ = 0;
-    std::size_t octetless_ = 0;  ///< elements without octets so far
+    std::uint32_t octetless_ = 0;  ///< elements without octets so far
     unsigned levels_ = 0;
     bool ok_ = true;
 };
 
-void decode(Decoder& in, bool& value);
-void decode(Decoder& in, char& value);
-void decode(Decoder& in, std::int8_t& value);
-void decode(Decoder& in, std::uint8_t& value);
+inline void decode(Decoder& in, bool& value) {
+    const std::uint8_t octet = in.octet();
+    if (octet > 1) in.fail();
+    value = octet == 1;
+}
+inline void decode(Decoder& in, char& value) {
+    value = static_cast<char>(in.octet());
+}
+inline void decode(Decoder& in, std::int8_t& value) {
+    value = static_cast<std::int8_t>(in.octet());
+}
+inline void decode(Decoder& in, std::uint8_t& value) {
+    value = in.octet();
+}
 void decode(Decoder& in, std::int16_t& value);
-void decode(Decoder& in, std::uint16_t& value);
+inline void decode(Decoder& in, std::uint16_t& value) {
+    value =
+        static_cast<std::uint16_t>(in.variable_unsigned(std::numeric_limits<std::uint16_t>::max()));
+}
 void decode(Decoder& in, std::int32_t& value);
-void decode(Decoder& in, std::uint32_t& value);
-void decode(Decoder& in, std::int64_t& value);
-void decode(Decoder& in, std::uint64_t& value);
-void decode(Decoder& in, float& value);
-void decode(Decoder& in, double& value);
+inline void decode(Decoder& in, std::uint32_t& value) {
+    value = in.variable_unsigned(std::numeric_limits<std::uint32_t>::max());
+}
+inline void decode(Decoder& in, std::int64_t& value) {
+    value = static_cast<std::int64_t>(in.fixed64());
+}
+inline void decode(Decoder& in, std::uint64_t& value) {
+    value = in.fixed64();
+}
+inline void decode(Decoder& in, float& value) {
+    value = std::bit_cast<float>(in.fixed32());
+}
+inline void decode(Decoder& in, double& value) {
+    value = std::bit_cast<double>(in.fixed64());
+}
 void decode(Decoder& in, long double& value);
 void decode(Decoder& in, char16_t& value);
 void decode(Decoder& in, std::string& value);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
@@ -10,10 +11,12 @@
 
 #include "orb/base/bytes.hpp"
 #include "orb/ccdr/fewest_octets.hpp"
+#include "orb/ccdr/octet_order.hpp"
 
 namespace canorb::ccdr {
 
 struct DecodeContext;
+struct VariableForm;
 
 enum class EncodeError : std::uint8_t {
     none,
@@ -28,25 +31,43 @@ enum class EncodeError : std::uint8_t {
 ///     ccdr::Encoder out{buffer};
 ///     encode(out, std::uint16_t{118});
 ///     if (out.error() == EncodeError::none) send(out.octets());
+///
+/// What small arguments need is inline: a call for each would take longer than writing it.
 class Encoder {
   public:
-    explicit Encoder(MutableBytes buffer) : buffer_(buffer) {}
+    explicit Encoder(MutableBytes buffer)
+        : begin_(buffer.data()), next_(begin_), end_(begin_ + buffer.size()) {}
 
     [[nodiscard]] EncodeError error() const { return error_; }
     /// What was written so far.
-    Bytes octets() const { return Bytes{buffer_}.first(size_); }
-    std::size_t size() const { return size_; }
+    Bytes octets() const { return {begin_, size()}; }
+    std::size_t size() const { return static_cast<std::size_t>(next_ - begin_); }
 
     /// The value cannot be sent: BAD_PARAM for the caller.
     void fail() { fail(EncodeError::bad_value); }
 
-    void octet(std::uint8_t value);
+    void octet(std::uint8_t value) {
+        if (has_room(1)) *advance(1) = value;
+    }
     /// Octets as they are, without a count.
     void octets(Bytes value);
-    void variable_unsigned(std::uint32_t value);
-    void variable_signed(std::int32_t value);
-    void fixed64(std::uint64_t value);
-    void fixed32(std::uint32_t value);
+    void variable_unsigned(std::uint32_t value) {
+        if (value < 0x80) return octet(static_cast<std::uint8_t>(value));
+        if (value >= 0x4000) return long_unsigned(value);
+        if (has_room(2)) write_be16(advance(2), static_cast<std::uint16_t>(0x8000 | value));
+    }
+    void variable_signed(std::int32_t value) {
+        if (value >= -0x40 && value < 0x40) return octet(static_cast<std::uint8_t>(value & 0x7F));
+        if (value < -0x2000 || value >= 0x2000) return long_signed(value);
+        if (has_room(2))
+            write_be16(advance(2), static_cast<std::uint16_t>(0x8000 | (value & 0x3FFF)));
+    }
+    void fixed64(std::uint64_t value) {
+        if (has_room(8)) write_be64(advance(8), value);
+    }
+    void fixed32(std::uint32_t value) {
+        if (has_room(4)) write_be32(advance(4), value);
+    }
     /// A sequence's count, or a string's length with its NUL. It fails for more elements without
     /// octets than a Decoder reads.
     void count(std::size_t value, std::size_t element_octets = 1);
@@ -69,32 +90,77 @@ class Encoder {
 
   private:
     void fail(EncodeError error);
-    std::uint8_t* reserve(std::size_t octets);
+    /// Whether so many octets can be written; otherwise it fails. Behind an error there is no
+    /// room, so that one comparison tells both.
+    bool has_room(std::size_t octets) {
+        if (static_cast<std::size_t>(end_ - next_) >= octets) [[likely]]
+            return true;
+        fail(EncodeError::buffer_full);
+        return false;
+    }
+    /// Where to write so many octets, for which there is room.
+    std::uint8_t* advance(std::size_t octets) {
+        std::uint8_t* start = next_;
+        next_ += octets;
+        return start;
+    }
+    void long_unsigned(std::uint32_t value);
+    void long_signed(std::int32_t value);
+    void write(const VariableForm& form, std::uint32_t bits);
 
-    MutableBytes buffer_;
-    std::size_t size_ = 0;
-    std::size_t octetless_ = 0;  ///< elements without octets so far
+    std::uint8_t* begin_;
+    std::uint8_t* next_;
+    std::uint8_t* end_;
     const DecodeContext* context_ = nullptr;
+    std::uint32_t octetless_ = 0;  ///< elements without octets so far
     unsigned levels_ = 0;
     EncodeError error_ = EncodeError::none;
 };
 
-void encode(Encoder& out, bool value);
-void encode(Encoder& out, char value);
-void encode(Encoder& out, std::int8_t value);
-void encode(Encoder& out, std::uint8_t value);
-void encode(Encoder& out, std::int16_t value);
-void encode(Encoder& out, std::uint16_t value);
-void encode(Encoder& out, std::int32_t value);
-void encode(Encoder& out, std::uint32_t value);
-void encode(Encoder& out, std::int64_t value);
-void encode(Encoder& out, std::uint64_t value);
-void encode(Encoder& out, float value);
-void encode(Encoder& out, double value);
+inline void encode(Encoder& out, bool value) {
+    out.octet(value ? 1 : 0);
+}
+inline void encode(Encoder& out, char value) {
+    out.octet(static_cast<std::uint8_t>(value));
+}
+inline void encode(Encoder& out, std::int8_t value) {
+    out.octet(static_cast<std::uint8_t>(value));
+}
+inline void encode(Encoder& out, std::uint8_t value) {
+    out.octet(value);
+}
+inline void encode(Encoder& out, std::int16_t value) {
+    out.variable_signed(value);
+}
+inline void encode(Encoder& out, std::uint16_t value) {
+    out.variable_unsigned(value);
+}
+inline void encode(Encoder& out, std::int32_t value) {
+    out.variable_signed(value);
+}
+inline void encode(Encoder& out, std::uint32_t value) {
+    out.variable_unsigned(value);
+}
+inline void encode(Encoder& out, std::int64_t value) {
+    out.fixed64(static_cast<std::uint64_t>(value));
+}
+inline void encode(Encoder& out, std::uint64_t value) {
+    out.fixed64(value);
+}
+inline void encode(Encoder& out, float value) {
+    out.fixed32(std::bit_cast<std::uint32_t>(value));
+}
+inline void encode(Encoder& out, double value) {
+    out.fixed64(std::bit_cast<std::uint64_t>(value));
+}
 void encode(Encoder& out, long double value);
 void encode(Encoder& out, char16_t value);
-void encode(Encoder& out, std::string_view value);
-void encode(Encoder& out, std::u16string_view value);
+inline void encode(Encoder& out, std::string_view value) {
+    out.string(value);
+}
+inline void encode(Encoder& out, std::u16string_view value) {
+    out.wide_string(value);
+}
 // Nothing else converts by accident.
 template <typename T>
     requires std::is_pointer_v<T>
