@@ -65,7 +65,7 @@ void saturated(benchmark::State& state, Fidelity fidelity) {
     const TimePoint start = saturated.bus().now();
     for (auto _ : state) saturated.next_frame();
     const std::chrono::duration<double> simulated = saturated.bus().now() - start;
-    state.counters["real_time"] =
+    state.counters["times_real_time"] =
         benchmark::Counter(simulated.count(), benchmark::Counter::kIsRate);
     state.counters["bit/s"] =
         benchmark::Counter(simulated.count() * bitrate, benchmark::Counter::kIsRate);

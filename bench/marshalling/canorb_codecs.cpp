@@ -71,10 +71,10 @@ class Message {
     }
 
     std::vector<std::uint8_t> buffer_ = std::vector<std::uint8_t>(giop::max_message);
-    ccdr::Encoder empty_{buffer_};
-    ccdr::Encoder out_{empty_};
-    ccdr::Decoder received_{Bytes{}};
-    ccdr::Decoder in_{Bytes{}};
+    alignas(64) ccdr::Encoder empty_{buffer_};
+    alignas(64) ccdr::Encoder out_{empty_};
+    alignas(64) ccdr::Decoder received_{Bytes{}};
+    alignas(64) ccdr::Decoder in_{Bytes{}};
 };
 
 /// A servant to refer to.

@@ -1,7 +1,7 @@
 // What it costs to encode and to decode the argument lists of bench/operations.idl: in canorb,
 // which uses CCDR, in omniORB and in Fast CDR. Same values, same loop, round robin on one CPU.
 //
-//     marshalling [--quick] [--cpu N]
+//     marshalling [--quick] [--cpu N] [--list NAME]
 //
 // Prints JSON; progress goes to standard error.
 
@@ -27,7 +27,8 @@ using Json = nlohmann::ordered_json;
 
 struct Options {
     bool quick = false;
-    int cpu = -1;  ///< -1: the last one that this process may use
+    int cpu = -1;      ///< -1: the last one that this process may use
+    std::string list;  ///< empty: all
 };
 
 /// One of encode and decode, and what each round took.
@@ -47,6 +48,20 @@ double median(std::vector<double> values) {
 double minimum(const std::vector<double>& values) {
     return *std::min_element(values.begin(), values.end());
 }
+
+/// In the order in which all sides add them.
+const std::vector<std::string> list_names = {"set_attribute_ul",
+                                             "read",
+                                             "push",
+                                             "level",
+                                             "status",
+                                             "rename_64",
+                                             "load_256",
+                                             "limits",
+                                             "user_exception",
+                                             "system_exception",
+                                             "attach_nil",
+                                             "attach_reference"};
 
 struct Side {
     std::string name;
@@ -160,6 +175,15 @@ Json method(std::size_t rounds, double round_nanoseconds, int cpu, const Clocks&
     return json;
 }
 
+/// The indices of the lists to measure.
+std::vector<std::size_t> chosen_lists(const Codecs& codecs, const std::string& name) {
+    std::vector<std::size_t> indices;
+    for (std::size_t i = 0; i < codecs.all().size(); ++i) {
+        if (name.empty() || codecs.all()[i].list == name) indices.push_back(i);
+    }
+    return indices;
+}
+
 Json measure(const Options& options) {
     const int cpu = pin(options.cpu);
     // Many short rounds: where others use the CPU, too, few of them are interrupted.
@@ -172,6 +196,8 @@ Json measure(const Options& options) {
     sides.push_back({"omniorb", omniorb_codecs(values), {}, {}});
     sides.push_back({"fast_cdr", fast_cdr_codecs(values), {}, {}});
     for (Side& side : sides) {
+        if (!std::ranges::equal(side.codecs.all(), list_names, {}, &Codec::list))
+            throw std::runtime_error{side.name + " does not have the lists of the others"};
         for (const Codec& codec : side.codecs.all()) {
             side.encode.push_back(
                 {&codec.encode, calibrate(codec.encode, round_nanoseconds), {}, {}});
@@ -181,17 +207,17 @@ Json measure(const Options& options) {
     }
 
     Clocks clocks;
-    const std::size_t lists = sides.front().codecs.all().size();
+    const std::vector<std::size_t> lists = chosen_lists(sides.front().codecs, options.list);
     for (std::size_t round = 0; round < rounds; ++round) {
         if (round % 50 == 0) std::fprintf(stderr, "round %zu of %zu\n", round + 1, rounds);
-        for (std::size_t list = 0; list < lists; ++list) {
+        for (const std::size_t list : lists) {
             for (Side& side : sides) run_round(side.encode[list], clocks);
             for (Side& side : sides) run_round(side.decode[list], clocks);
         }
     }
 
     Json result;
-    for (std::size_t i = 0; i < lists; ++i) {
+    for (const std::size_t i : lists) {
         Json list;
         for (const Side& side : sides) {
             const Codec& codec = side.codecs.all()[i];
@@ -221,6 +247,8 @@ int main(int argc, char** argv) {
     app.add_flag("--quick", options.quick, "a short run");
     app.add_option("--cpu", options.cpu, "the CPU to run on (default: the last one)")
         ->check(CLI::Range(0, CPU_SETSIZE - 1));
+    app.add_option("--list", options.list, "only this list, for a profile (default: all)")
+        ->check(CLI::IsMember(list_names));
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {

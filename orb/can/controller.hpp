@@ -112,8 +112,8 @@ class Waker {
 /// among those that wait in the mailboxes the lowest identifier leaves first, except where
 /// Capabilities::fifo says otherwise.
 ///
-/// No function blocks, and none calls back but a Waker. A link that other threads feed makes every function
-/// safe to call from any thread; one consumer at a time takes events.
+/// No function blocks, and none calls back but a Waker. A link that other threads feed makes every
+/// function safe to call from any thread; one consumer at a time takes events.
 class Controller {
   public:
     virtual ~Controller() = default;

@@ -45,7 +45,10 @@ class Decoder {
     /// `octets` and `context` belong to the caller and outlive this object. `levels` is how deep
     /// the values already are: see Nesting.
     explicit Decoder(Bytes octets, const DecodeContext* context = nullptr, unsigned levels = 0)
-        : next_(octets.data()), end_(next_ + octets.size()), context_(context), levels_(levels) {}
+        : next_(octets.data()),
+          end_(next_ + octets.size()),
+          context_(context),
+          levels_(static_cast<std::uint16_t>(levels)) {}
 
     /// As given to the constructor: nullptr where no references are expected.
     const DecodeContext* context() const { return context_; }
@@ -130,12 +133,14 @@ class Decoder {
         return from;
     }
 
+    // Small, as one is made for each message.
     const std::uint8_t* next_;
     const std::uint8_t* end_;
     const DecodeContext* context_;
     std::uint32_t octetless_ = 0;  ///< elements without octets so far
-    unsigned levels_ = 0;
+    std::uint16_t levels_ = 0;
     bool ok_ = true;
+    [[maybe_unused]] std::uint8_t filler_ = 0;  ///< as in Encoder
 };
 
 inline void decode(Decoder& in, bool& value) {

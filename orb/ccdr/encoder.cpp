@@ -11,7 +11,7 @@ namespace canorb::ccdr {
 
 void Encoder::fail(EncodeError error) {
     if (error_ == EncodeError::none) error_ = error;
-    end_ = next_;
+    limit_ = size_;
 }
 
 void Encoder::octets(Bytes value) {

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <concepts>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string_view>
 #include <type_traits>
 #include <vector>
@@ -36,12 +38,14 @@ enum class EncodeError : std::uint8_t {
 class Encoder {
   public:
     explicit Encoder(MutableBytes buffer)
-        : begin_(buffer.data()), next_(begin_), end_(begin_ + buffer.size()) {}
+        : begin_(buffer.data()),
+          limit_(static_cast<std::uint32_t>(
+              std::min(buffer.size(), std::size_t{std::numeric_limits<std::uint32_t>::max()}))) {}
 
     [[nodiscard]] EncodeError error() const { return error_; }
     /// What was written so far.
-    Bytes octets() const { return {begin_, size()}; }
-    std::size_t size() const { return static_cast<std::size_t>(next_ - begin_); }
+    Bytes octets() const { return {begin_, size_}; }
+    std::size_t size() const { return size_; }
 
     /// The value cannot be sent: BAD_PARAM for the caller.
     void fail() { fail(EncodeError::bad_value); }
@@ -93,28 +97,32 @@ class Encoder {
     /// Whether so many octets can be written; otherwise it fails. Behind an error there is no
     /// room, so that one comparison tells both.
     bool has_room(std::size_t octets) {
-        if (static_cast<std::size_t>(end_ - next_) >= octets) [[likely]]
+        if (limit_ - size_ >= octets) [[likely]]
             return true;
         fail(EncodeError::buffer_full);
         return false;
     }
     /// Where to write so many octets, for which there is room.
     std::uint8_t* advance(std::size_t octets) {
-        std::uint8_t* start = next_;
-        next_ += octets;
+        std::uint8_t* start = begin_ + size_;
+        size_ += static_cast<std::uint32_t>(octets);
         return start;
     }
     void long_unsigned(std::uint32_t value);
     void long_signed(std::int32_t value);
     void write(const VariableForm& form, std::uint32_t bits);
 
+    // Small, as one is made for each message. No message is longer than 32 bits can say.
     std::uint8_t* begin_;
-    std::uint8_t* next_;
-    std::uint8_t* end_;
+    std::uint32_t size_ = 0;
+    std::uint32_t limit_;  ///< of size_
     const DecodeContext* context_ = nullptr;
     std::uint32_t octetless_ = 0;  ///< elements without octets so far
-    unsigned levels_ = 0;
+    std::uint16_t levels_ = 0;
     EncodeError error_ = EncodeError::none;
+    // Without it, 31 octets would be copied as two halves that overlap, and reading a member that
+    // is in both then has to wait for both.
+    [[maybe_unused]] std::uint8_t filler_ = 0;
 };
 
 inline void encode(Encoder& out, bool value) {

@@ -144,6 +144,7 @@ void decode(ccdr::Decoder& in, ObjectRef& value) {
     core::decode(in, reference);
     if (!in.ok()) return;
     value = ObjectRef{};
+    if (reference.kind == core::Reference::Kind::nil && reference.type_id.empty()) return;
     value.to_ = std::make_shared<const core::Reference>(std::move(reference));
     if (const auto* owner = static_cast<const runtime::ReferenceOwner*>(in.context())) {
         value.orb_ = owner->orb.shared_from_this();

@@ -71,7 +71,9 @@ struct OrbOptions {
     /// Two-way calls that may be outstanding: not ended, ended and not fetched from their Future,
     /// or cancelled and not yet answered.
     std::size_t max_outstanding_calls = 64;
-    /// Frames in the controller at once: an urgent message waits for no more than these.
+    /// Frames in the controller at once: an urgent message waits for no more than these. They are
+    /// not taken back: a node with urgent messages beside others on a busy bus wants as many as it
+    /// has streams of messages (doc/benchmarks.md).
     std::size_t frames_in_controller = 2;
     /// A partial message that gets no frame for so long is dropped.
     Duration inter_frame_timeout = std::chrono::milliseconds{100};
