@@ -192,6 +192,11 @@ Json over_can(const Json& peers) {
                 if (!message.is_object() || !message.contains("hex")) continue;
                 const auto octets = from_hex(message["hex"]);
                 message["can"] = cost_of(over_iso_tp(octets)).json();
+                // Debian's Fast DDS puts a submessage of its own at the end.
+                if (!message.contains("octets_without_statistics")) continue;
+                const Bytes without =
+                    Bytes{octets}.first(message["octets_without_statistics"].get<std::size_t>());
+                message["can_without_statistics"] = cost_of(over_iso_tp(without)).json();
             }
         }
     }
