@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <exception>
 #include <iostream>
+#include <memory>
 #include <thread>
 
 #include "canorb/simulation.hpp"
@@ -44,11 +45,13 @@ nlohmann::json over_local(std::size_t calls, bool one_cpu) {
     }};
     pin_to(0);
     Orb client{*bus, {.node = 1}};
-    auto result = ping(device_at(client, 2), calls / 10, calls);
-    server.shutdown();
-    loop.join();
-    pin_to(-1);
-    return result;
+    const auto end_loop = [&](void*) {
+        server.shutdown();
+        loop.join();
+        pin_to(-1);
+    };
+    const std::unique_ptr<Orb, decltype(end_loop)> ending{&server, end_loop};
+    return ping(device_at(client, 2), calls / 10, calls);
 }
 
 /// Both Orbs in one thread, on a bus with virtual time.

@@ -74,6 +74,12 @@ Child::~Child() {
     ::waitpid(pid_, nullptr, 0);
 }
 
+bool Child::is_running() const {
+    siginfo_t ended{};
+    const auto options = WEXITED | WNOHANG | WNOWAIT;  // for the destructor to wait for
+    return ::waitid(P_PID, static_cast<id_t>(pid_), &ended, options) == 0 && ended.si_pid == 0;
+}
+
 Daemon::Daemon(std::uint32_t bitrate, bool paced, int cpu)
     : path_(new_path()), child_([&] { serve(path_, bitrate, paced, cpu); }) {
     const auto latest = std::chrono::steady_clock::now() + longest_start;

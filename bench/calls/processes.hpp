@@ -17,6 +17,8 @@ class Child {
     Child(const Child&) = delete;
     Child& operator=(const Child&) = delete;
 
+    bool is_running() const;
+
   private:
     pid_t pid_;
 };

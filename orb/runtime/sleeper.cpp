@@ -5,8 +5,8 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <array>
-#include <climits>
 #include <ctime>
 
 namespace canorb::runtime {

@@ -122,6 +122,25 @@ TEST(LocalLink, WithoutAPaceASlowReaderIsWaitedForButNotForEver) {
     EXPECT_EQ(received + lost, 2'000U);
 }
 
+TEST(LocalLink, WithoutAPaceNobodyHasToTouchTheBusForItToGoOn) {
+    const auto link = opened("local:asleep?paced=no");
+    const auto sender = attached(*link);
+    const auto reader = attached(*link);
+    const auto deaf = attached(*link);
+    ASSERT_TRUE(reader->set_filters(accept_all));
+    ASSERT_TRUE(deaf->set_filters(accept_all));
+    constexpr std::uint32_t capacity = 512;
+    for (std::uint32_t id = 0; id < capacity; ++id) {
+        EXPECT_TRUE(std::holds_alternative<TransmitResult>(sender->send(Frame::standard(id, {}))));
+        EXPECT_TRUE(reader->poll());
+    }
+    EXPECT_TRUE(std::holds_alternative<TransmitHandle>(sender->send(Frame::standard(0x7FF, {}))));
+    EXPECT_TRUE(receives(*reader, 0x7FF));
+    // Who was waited for in vain does not spoil it for the others.
+    EXPECT_TRUE(std::holds_alternative<TransmitResult>(sender->send(Frame::standard(1, {}))) ||
+                receives(*reader, 1));
+}
+
 TEST(LocalLink, HasThePaceOfWhoOpenedItFirst) {
     const auto first = opened("local:pace?paced=no");
     EXPECT_TRUE(open_link("local:pace"));

@@ -150,8 +150,8 @@ void SlcanAdapter::take_events() {
         } else if (result != nullptr && on_its_way_ == result->handle) {
             on_its_way_.reset();
             if (waiting_) transmit(*std::exchange(waiting_, std::nullopt));
-        } else if (std::holds_alternative<FramesLost>(*event)) {
-            overrun_ = true;
+        } else if (const auto* lost = std::get_if<FramesLost>(&*event)) {
+            overrun_ = overrun_ || lost->count > 0;
         }
     }
 }

@@ -102,6 +102,8 @@ TEST(SocketCanErrors, WhatWasLost) {
     EXPECT_FALSE(error(0x04, "0002000000000000").receive_overflow) << "that is the transmitter";
     EXPECT_TRUE(error(0x88, "0000040000000000").receive_error) << "a stuff error";
     EXPECT_FALSE(error(0x88, "0000840000000000").receive_error) << "that is the transmitter";
+    EXPECT_FALSE(error(0x08, "0000200000000000").receive_error) << "an overload frame";
+    EXPECT_FALSE(error(0x08, "0000400000000000").receive_error) << "an active error flag";
     EXPECT_FALSE(error(0x04, "0000040000000000").receive_error) << "not what data[2] is about";
     EXPECT_TRUE(error(0x01).transmit_timeout);
     EXPECT_FALSE(error(0x40).transmit_timeout);

@@ -42,7 +42,8 @@ class Wakers {
     Wakers& operator=(const Wakers&) = delete;
 
     void add(const std::shared_ptr<Waker>& waker) {
-        if (count_ > 0 && wakers_[count_ - 1] == waker) return;
+        const auto end = wakers_.begin() + static_cast<std::ptrdiff_t>(count_);
+        if (std::find(wakers_.begin(), end, waker) != end) return;
         if (count_ < wakers_.size()) {
             wakers_[count_++] = waker;
         } else {
@@ -57,16 +58,17 @@ class Wakers {
 
 /// Invariants: the bus is touched only under the mutex. A paced one is moved up to the present
 /// first, or as far as it gets in a short time; what is asked of a bus that is behind happens at
-/// its own present. One that is not paced has no thread: whoever does something on it lets it run
-/// until all is sent, or a reader must catch up.
+/// its own present. One that is not paced runs when somebody does something on it, until all is
+/// sent; its thread goes on where that was not all: a reader must catch up, or there was too much
+/// of it.
 class LocalBus {
   public:
-    LocalBus(std::uint32_t bitrate, bool paced) : bus_(bitrate, monotonic_now()), paced_(paced) {
-        if (paced_) thread_ = std::thread{[this] { run(); }};
-    }
+    LocalBus(std::uint32_t bitrate, bool paced)
+        : bus_(bitrate, monotonic_now()),
+          paced_(paced),
+          thread_([this] { paced_ ? run() : finish(); }) {}
 
     ~LocalBus() {
-        if (!paced_) return;
         {
             const std::lock_guard lock{mutex_};
             stopping_ = true;
@@ -101,8 +103,9 @@ class LocalBus {
 
         /// On a bus that is not paced: all that can happen, happens.
         void settle() {
-            owner_.run_until_quiet();
+            owner_.unfinished_ = !owner_.run_until_quiet();
             owner_.wake_readers(wakers_);
+            if (owner_.unfinished_) owner_.changed_.notify_one();
         }
         sim::Bus& bus() const { return owner_.bus_; }
         const PacedClock& clock() const { return owner_.clock_; }
@@ -119,8 +122,9 @@ class LocalBus {
 
   private:
     void run();
+    void finish();
     bool keep_pace();
-    void run_until_quiet();
+    bool run_until_quiet();
     bool is_stalled();
     void wake_readers(Wakers& wakers);
 
@@ -131,10 +135,11 @@ class LocalBus {
     Pacer pacer_;
     PacedClock clock_;  ///< stands still on a bus that is not paced
     TimePoint wake_at_ = never;
-    std::optional<TimePoint> stalled_since_;
+    std::optional<TimePoint> stalled_since_;  ///< something on the bus waits for a reader
+    bool unfinished_ = false;                 ///< the thread of a bus without a pace has to go on
     bool stopping_ = false;
     const bool paced_;
-    std::thread thread_;
+    std::thread thread_;  // the last member: it starts when all others are there
 };
 
 class LocalController final : public Controller {
@@ -169,7 +174,8 @@ class LocalController final : public Controller {
         const auto* event = controller_->next_event();
         const auto* result = event == nullptr ? nullptr : std::get_if<TransmitResult>(event);
         if (result == nullptr || result->handle != *handle) return sent;
-        const TransmitResult known = *result;
+        TransmitResult known = *result;
+        known.time = monotonic_now();
         controller_->poll();
         return known;
     }
@@ -196,12 +202,16 @@ class LocalController final : public Controller {
     std::optional<ControllerEvent> poll() override {
         const LocalBus::Present present{*bus_};
         auto event = controller_->poll();
+        if (!controller_->is_full()) lagging_ = false;
         if (raised_ && !controller_->has_event()) {
             raised_ = false;
             readable_.clear();
         }
-        if (event) return present.clock().machine_time(*event);
-        return std::nullopt;
+        if (!event) return std::nullopt;
+        if (bus_->paced()) return present.clock().machine_time(*event);
+        // The clock of such a bus says nothing about how long its users take.
+        std::visit([now = monotonic_now()](auto& each) { each.time = now; }, *event);
+        return event;
     }
     int event_fd() const override {
         const LocalBus::Present present{*bus_};
@@ -214,8 +224,10 @@ class LocalController final : public Controller {
         return true;
     }
 
-    /// Within a Present, or under its mutex.
-    bool is_full() const { return controller_ && controller_->is_full(); }
+    /// Within a Present, or under its mutex. Whether the bus is to wait until it has read.
+    bool keeps_waiting() const { return controller_ && !lagging_ && controller_->is_full(); }
+    /// The bus has waited for it long enough: it loses frames until it has read.
+    void give_up() { lagging_ = lagging_ || keeps_waiting(); }
 
     /// Within a Present, or under its mutex.
     void wake_reader(Wakers& wakers) {
@@ -234,6 +246,7 @@ class LocalController final : public Controller {
     mutable bool watched_ = false;  ///< somebody has the descriptor
     std::shared_ptr<Waker> waker_;
     bool telling_ = false;  ///< its reader is being told by send()
+    bool lagging_ = false;
 };
 
 void LocalBus::wake_readers(Wakers& wakers) {
@@ -248,23 +261,49 @@ bool LocalBus::keep_pace() {
     return false;
 }
 
-void LocalBus::run_until_quiet() {
-    for (int i = 0; i < max_steps_at_once && !is_stalled() && bus_.advance_one(); ++i) {
+/// False: it has to go on later.
+bool LocalBus::run_until_quiet() {
+    for (int i = 0; i < max_steps_at_once; ++i) {
+        if (bus_.is_quiet()) {
+            stalled_since_.reset();
+            return true;
+        }
+        if (is_stalled()) return false;
+        bus_.advance_one();
     }
+    return false;
 }
 
-/// Whether it has to wait for a reader, so that no frame is lost only because the bus is faster
-/// than any real one; though not for ever.
+/// Whether what is on the bus has to wait for a reader, so that no frame is lost only because the
+/// bus is faster than any real one; though not for ever.
 bool LocalBus::is_stalled() {
-    const bool any_full = std::ranges::any_of(
-        controllers_, [](const LocalController* each) { return each->is_full(); });
-    if (!any_full) {
+    if (std::ranges::none_of(controllers_, &LocalController::keeps_waiting)) {
         stalled_since_.reset();
         return false;
     }
     const TimePoint now = monotonic_now();
     if (!stalled_since_) stalled_since_ = now;
-    return now - *stalled_since_ < longest_stall;
+    if (now - *stalled_since_ < longest_stall) return true;
+    stalled_since_.reset();
+    for (LocalController* controller : controllers_) controller->give_up();
+    return false;
+}
+
+void LocalBus::finish() {
+    std::unique_lock lock{mutex_};
+    while (!stopping_) {
+        if (!unfinished_) {
+            changed_.wait(lock);
+            continue;
+        }
+        const TimePoint next =
+            stalled_since_ ? *stalled_since_ + longest_stall : monotonic_now() + pause_for_others;
+        changed_.wait_until(lock, std::chrono::steady_clock::time_point{next.time_since_epoch()});
+        if (stopping_ || !unfinished_) continue;
+        Wakers wakers;
+        unfinished_ = !run_until_quiet();
+        wake_readers(wakers);
+    }
 }
 
 void LocalBus::run() {

@@ -45,8 +45,11 @@ can_filter to_socketcan(const Filter& filter) {
 ErrorReport parse_error(const can_frame& frame) {
     ErrorReport report;
     report.transmit_timeout = (frame.can_id & CAN_ERR_TX_TIMEOUT) != 0;
+    // An overload frame loses nothing, and neither does an error flag that was sent.
+    constexpr std::uint8_t not_received =
+        CAN_ERR_PROT_TX | CAN_ERR_PROT_ACTIVE | CAN_ERR_PROT_OVERLOAD;
     report.receive_error =
-        (frame.can_id & CAN_ERR_PROT) != 0 && (frame.data[2] & CAN_ERR_PROT_TX) == 0;
+        (frame.can_id & CAN_ERR_PROT) != 0 && (frame.data[2] & not_received) == 0;
     if ((frame.can_id & CAN_ERR_CRTL) != 0) {
         const std::uint8_t what = frame.data[1];
         report.receive_overflow = (what & CAN_ERR_CRTL_RX_OVERFLOW) != 0;

@@ -159,8 +159,11 @@ void Bus::handle(std::size_t index, BitStreamProcessor::Events events) {
         if (planned_ == error.node) planned_.reset();
         if (error_trace_) error_trace_(error);
         node.end_failed(time_);
-        // Its flag is recessive: where it alone could not read the frame, nobody repeats it.
-        if (!error.active_flag && !error.capture.transmitting) node.events.push_doubt(time_);
+        // Its flag is recessive: where it alone could not read the frame, nobody repeats it. Nodes
+        // that only listen are not told: they would have an event for each repetition of a frame
+        // that they do not acknowledge.
+        const bool is_passive = !error.active_flag && !node.processor.is_silent();
+        if (is_passive && !error.capture.transmitting) node.events.push_doubt(time_);
     }
     if ((events & BitStreamProcessor::sent) != 0) {
         if (completed_bit_ != bit_ + 1) complete_frame(index);  // else it is the same frame
