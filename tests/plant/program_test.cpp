@@ -54,7 +54,9 @@ class PlantPrograms : public testing::Test {
             const std::string name = entry.path().filename();
             if (!std::ranges::all_of(name, [](char c) { return c >= '0' && c <= '9'; })) continue;
             std::ifstream file{entry.path() / "cmdline", std::ios::binary};
-            std::string command{std::istreambuf_iterator<char>{file}, {}};
+            // Not by iterators: where the process has just ended, they throw.
+            std::string command;
+            std::getline(file, command, '\xFF');
             std::ranges::replace(command, '\0', ' ');
             if (command.find(folder_.string()) != std::string::npos)
                 found.push_back({std::stoi(name), command});
