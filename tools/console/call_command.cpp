@@ -73,6 +73,12 @@ class Call {
             if (!result.exception_id.empty()) return show_user_exception(result);
             // Nobody answers these.
             if (target_.kind == core::Reference::Kind::group || operation_->oneway) {
+                if (!session.send_all()) {
+                    throw TIMEOUT(
+                        "the message was not sent: nobody on the bus acknowledges it, or more "
+                        "urgent ones keep it waiting",
+                        Completion::maybe);
+                }
                 if (common_.json) print(Json{{"results", Json::object()}}.dump());
                 return success;
             }

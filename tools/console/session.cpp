@@ -89,6 +89,16 @@ ObjectRef Session::object(std::string_view text) {
     return orb_->string_to_object(text).with_timeout(common_.timeout);
 }
 
+bool Session::send_all() {
+    const std::lock_guard lock{mutex_};
+    if (!orb_) throw BAD_INV_ORDER("interrupted");
+    if (!orb_->drain(common_.timeout)) return false;
+    const Counters counters = orb_->counters();
+    return counters[Counter::messages_expired] + counters[Counter::messages_stopped] +
+               counters[Counter::messages_failed] ==
+           0;
+}
+
 bool Session::is_bus_gone() const {
     const std::lock_guard lock{mutex_};
     if (!orb_) return false;

@@ -29,6 +29,8 @@ class Session {
 
     /// As Orb::string_to_object(), with the timeout of the options.
     ObjectRef object(std::string_view text);
+    /// Waits until all that was called is sent, for the timeout of the options. False: it is not.
+    [[nodiscard]] bool send_all();
     /// The controller is off the bus, or the link down.
     bool is_bus_gone() const;
     /// Ctrl-C came, and nothing more is to be said.

@@ -127,6 +127,20 @@ TEST_F(Console, CallsWhatTheObjectSaysItHas) {
     EXPECT_EQ(motor_.rung, 3);
 }
 
+TEST_F(Console, SaysWhenNobodyHearsACallWithoutAnAnswer) {
+    can::test::TemporaryDirectory directory;
+    can::BusServerOptions empty_bus;
+    empty_bus.path = directory.path() + "/empty";
+    can::test::RunningServer empty{empty_bus};
+    for (const char* target : {"corbaloc:caniop:group/5", "corbaloc:caniop:3/1"}) {
+        const ShellResult rung =
+            canorb("call --timeout 200ms --bus sim:" + empty_bus.path + " --idl " + idl +
+                   " --interface Things::Motor " + target + " ring 2 x");
+        EXPECT_THAT(rung.output, HasSubstr("TIMEOUT")) << target;
+        EXPECT_EQ(rung.exit_code, 1) << target;
+    }
+}
+
 TEST_F(Console, CallsByEveryKindOfReference) {
     const std::string ior = orb_->object_to_string(orb_->string_to_object("corbaloc:caniop:3/1"));
     EXPECT_EQ(call(ior + " limit").output, "0.5\n");
