@@ -443,7 +443,7 @@ class Report:
             "A goal met is not all there is to know:\n\n"
             "* Between processes canorb is slower than omniORB on a Unix socket, by far: each frame goes through the process that is the bus "
             "(*Two-way calls*). The goal compares threads of one process with two processes.\n"
-            "* The share of values falls with the length of a message: what is not values is above a fifth of GIOP's in most operations of three frames or more "
+            "* Each frame after the first has a sequence octet: what is not values is above a fifth of GIOP's in most operations of three frames or more "
             "(*What is not values*).\n"
             "* Cyphal's worst case takes fewer bits for most short calls (*CANopen and Cyphal*): its frames have no object key and no request number.\n"
             "* The most urgent message has its bound as long as its node does not send less urgent ones at the same time with the default of 2 frames in the controller "
