@@ -144,7 +144,7 @@ def sizes(bench):
     with tempfile.NamedTemporaryFile("w", suffix=".json") as file:
         json.dump(peers, file)
         file.flush()
-        result = bench.program("sizes", "--peers", file.name)
+        result = bench.program("sizes", "--peers", file.name, quick=False)
     result["first_call_extra"] = {name: omniorb[name]["first_call_extra"]
                                   for name in ("giop_1_0", "giop_1_2")}
     return result

@@ -22,16 +22,10 @@ namespace {
 
 constexpr auto local_bus = "local:calls?paced=no&bitrate=1000000";
 
-/// The void call, back to back. A call that fails ends the program.
-nlohmann::json ping(const ::Bench::Device& device, std::size_t warm_up, std::size_t calls) {
-    for (std::size_t i = 0; i < warm_up; ++i) device.ping();
-    Statistics times{calls};
-    for (std::size_t i = 0; i < calls; ++i) {
-        const TimePoint begin = can::monotonic_now();
-        device.ping();
-        times.add(can::monotonic_now() - begin);
-    }
-    return times.json();
+/// A tenth of the calls is made before, to warm up.
+nlohmann::json ping(const ::Bench::Device& device, std::size_t calls) {
+    for (std::size_t i = 0; i < calls / 10; ++i) device.ping();
+    return time_calls(device, calls).json();
 }
 
 nlohmann::json over_local(std::size_t calls, bool one_cpu) {
@@ -51,7 +45,7 @@ nlohmann::json over_local(std::size_t calls, bool one_cpu) {
         pin_to(-1);
     };
     const std::unique_ptr<Orb, decltype(end_loop)> ending{&server, end_loop};
-    return ping(device_at(client, 2), calls / 10, calls);
+    return ping(device_at(client, 2), calls);
 }
 
 /// Both Orbs in one thread, on a bus with virtual time.
@@ -63,7 +57,7 @@ nlohmann::json in_simulation(std::size_t calls) {
     DeviceImpl servant;
     server.root_poa().activate_object_with_id(1, servant);
     Orb client{bus, {.node = 1}};
-    auto result = ping(device_at(client, 2), calls / 10, calls);
+    auto result = ping(device_at(client, 2), calls);
     pin_to(-1);
     return result;
 }
@@ -74,7 +68,7 @@ nlohmann::json of_own_object(std::size_t calls) {
     Orb orb{*bus, {.node = 1}};
     DeviceImpl servant;
     orb.root_poa().activate_object_with_id(1, servant);
-    auto result = ping(device_at(orb, 1), calls / 10, calls);
+    auto result = ping(device_at(orb, 1), calls);
     pin_to(-1);
     return result;
 }
@@ -99,7 +93,7 @@ nlohmann::json over_daemon(std::size_t calls, bool one_cpu) {
     Orb client{*bus, {.node = 1}};
     const auto device = device_at(client, 2);
     await(device);
-    auto result = ping(device, calls / 10, calls);
+    auto result = ping(device, calls);
     pin_to(-1);
     return result;
 }
@@ -144,6 +138,16 @@ void await(const ::Bench::Device& device) {
             if (attempt == 20) throw;
         }
     }
+}
+
+Statistics time_calls(const ::Bench::Device& device, std::size_t calls) {
+    Statistics times{calls};
+    for (std::size_t i = 0; i < calls; ++i) {
+        const TimePoint begin = can::monotonic_now();
+        device.ping();
+        times.add(can::monotonic_now() - begin);
+    }
+    return times;
 }
 
 void serve_device(const std::string& address, int node, int cpu) {

@@ -103,12 +103,7 @@ Statistics calls(const std::string& address, std::size_t round_trips) {
     Orb client{*bus, {.node = client_node.value()}};
     const auto device = device_at(client, server_node.value());
     await(device);
-    Statistics times{round_trips};
-    for (std::size_t i = 0; i < round_trips; ++i) {
-        const TimePoint begin = can::monotonic_now();
-        device.ping();
-        times.add(can::monotonic_now() - begin);
-    }
+    Statistics times = time_calls(device, round_trips);
     pin_to(-1);
     return times;
 }

@@ -14,18 +14,9 @@ double at(const std::vector<std::int64_t>& sorted, double part) {
 
 }  // namespace
 
-std::vector<std::int64_t> Statistics::sorted() const {
+nlohmann::json Statistics::json() const {
     std::vector<std::int64_t> times = times_;
     std::ranges::sort(times);
-    return times;
-}
-
-double Statistics::median() const {
-    return at(sorted(), 0.5);
-}
-
-nlohmann::json Statistics::json() const {
-    const auto times = sorted();
     const double sum = std::accumulate(times.begin(), times.end(), 0.0);
     const double mean = times.empty() ? 0 : sum / static_cast<double>(times.size());
     return {{"min_ns", at(times, 0)},

@@ -14,16 +14,11 @@ class Statistics {
     explicit Statistics(std::size_t capacity) { times_.reserve(capacity); }
 
     void add(Duration time) { times_.push_back(time.count()); }
-    std::size_t size() const { return times_.size(); }
-    /// Of all, in ns; 0 when there are none.
-    double median() const;
 
     /// min, median, p99, p99.9 and mean in ns, how many, and how many in a second, back to back.
     nlohmann::json json() const;
 
   private:
-    std::vector<std::int64_t> sorted() const;
-
     std::vector<std::int64_t> times_;
 };
 

@@ -17,6 +17,7 @@
 #include <vector>
 
 #include "bench/device.hpp"
+#include "bench/peers/octets.hpp"
 #include "can_cost.hpp"
 #include "canorb/simulation.hpp"
 #include "orb/caniop/identifier.hpp"
@@ -27,16 +28,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 using namespace std::chrono_literals;
-
-std::string hex(Bytes octets) {
-    static constexpr char digits[] = "0123456789abcdef";
-    std::string text;
-    for (const std::uint8_t octet : octets) {
-        text += digits[octet >> 4];
-        text += digits[octet & 15];
-    }
-    return text;
-}
 
 std::vector<std::uint8_t> from_hex(const std::string& text) {
     std::vector<std::uint8_t> octets;
@@ -65,7 +56,7 @@ class SeenMessage {
         Json result{{"octets", message_.size()},
                     {"header_octets", header},
                     {"sequence_octets", sequence_octets_},
-                    {"hex", hex(message_)}};
+                    {"hex", peers::to_hex(message_)}};
         result["can"] = cost_of(frames_).json();
         return result;
     }
@@ -216,9 +207,7 @@ int main(int argc, char** argv) {
     using namespace canorb::bench;
     CLI::App app{"Octets, frames and bits of each operation; one JSON object"};
     std::string peers;
-    bool quick = false;
     app.add_option("--peers", peers, "Captured messages of others, as a JSON file");
-    app.add_flag("--quick", quick, "No difference: it takes a moment");
     CLI11_PARSE(app, argc, argv);
     try {
         Json result{{"giop_can", World{}.measure()}};

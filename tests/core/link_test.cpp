@@ -125,14 +125,18 @@ TEST(Link, PartialMessagesAreNotContinuedAfterBusOff) {
                                        {"continuations_without_message", 1}}));
 }
 
+Texts request_of_two_frames() {
+    return frames_of("4A3",
+                     "100007"
+                     "1234"
+                     "2801"
+                     "02"
+                     "0102");
+}
+
 TEST(Link, LostFramesDropPartialMessages) {
     TestEngine node;
-    const Texts frames = frames_of("4A3",
-                                   "100007"
-                                   "1234"
-                                   "2801"
-                                   "02"
-                                   "0102");
+    const Texts frames = request_of_two_frames();
     node.receive(frames[0]);
     node.event(can::FramesLost{3, node.now});
     node.receive(frames[1]);
@@ -148,12 +152,7 @@ TEST(Link, LostFramesDropPartialMessages) {
 
 TEST(Link, FramesThatMayBeLostDropPartialMessagesAndAreNotCounted) {
     TestEngine node;
-    const Texts frames = frames_of("4A3",
-                                   "100007"
-                                   "1234"
-                                   "2801"
-                                   "02"
-                                   "0102");
+    const Texts frames = request_of_two_frames();
     node.receive(frames[0]);
     node.event(can::FramesLost{0, node.now});
     node.receive(frames[1]);
